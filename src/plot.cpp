@@ -40,7 +40,7 @@ void requireData(const std::vector<double>& x, const std::vector<double>& y,
   }
 }
 
-/// The curve at many x.
+/// A curve at many x.
 struct Curve {
   std::vector<double> x, y, low, high;
 };
@@ -59,14 +59,14 @@ Curve sampled(const std::function<CurvePoint(double)>& curve, const ChartRange& 
   return result;
 }
 
-/// The measurements of a group: residuals in standard deviations by number of insertion.
+/// The measurements of a group: residuals in standard deviations, by number of insertion.
 struct Panel {
   std::string name;
   std::vector<double> number, residual;
   std::vector<std::string> measurement;
 };
 
-/// 1 where it is not known.
+/// Returns the factor of standard deviations; 1 if it is unknown.
 double factorOrOne(const Estimator& est) {
   try {
     const double factor = detail::sigmaFactor(est);
@@ -98,14 +98,14 @@ std::vector<Panel> panelsOf(const Estimator& est) {
   return result;
 }
 
-/// Names of suspects; none where the fit has no covariances.
+/// Returns the names of suspects; none if the fit has no covariances.
 std::vector<std::string> suspectsOf(const Estimator& est) {
   std::vector<std::string> names;
   try {
     for (const MeasurementCheck& check : est.outliers().ranking()) {
       if (check.is_suspect) names.push_back(check.measurement);
     }
-  } catch (const Error&) {  // nothing is known of how far residuals may be off
+  } catch (const Error&) {  // without covariances, the size of residuals cannot be judged
   }
   return names;
 }

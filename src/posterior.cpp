@@ -14,10 +14,11 @@ using Matrix = Eigen::Map<const MatrixXd>;
 
 namespace {
 
-/// A pivot below this share of the diagonal entry is rounding error.
+/// Fraction of the diagonal entry below which a pivot is rounding error.
 constexpr double kLeastPivot = 1e-13;
 
-/// The components of a covariance that are not certain: their Cholesky factor L, of their correlations, and standard deviations s.
+/// The uncertain components of a covariance: their standard deviations, and the Cholesky factor L of their
+/// correlations.
 struct Factor {
   std::vector<int> components;
   Eigen::VectorXd deviations;

@@ -1,4 +1,4 @@
-// The one kind of error of the command: something its user can put right.
+// The only kind of error of the command: a mistake that its user can correct.
 #pragma once
 
 #include <stdexcept>
@@ -6,8 +6,8 @@
 
 namespace slom::app {
 
-/// Thrown anywhere in the command. main() prints it as `slom: <text>` and exits with code 2. The text is one
-/// sentence that says where (file:line, or option), what is wrong and what to do.
+/// The error, thrown anywhere in the command. main() prints it as `slom: <text>` and exits with code 2. The text is one
+/// sentence: where (file:line, or option), what is wrong and what to do.
 struct UserError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

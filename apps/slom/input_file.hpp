@@ -1,4 +1,4 @@
-// Files that are read, by the library's functions; their errors have the text that the command shows.
+// Input files, read by the library's functions. Their errors carry the text that the command shows.
 #pragma once
 
 #include <slom/io/input_file.hpp>

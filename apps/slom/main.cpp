@@ -1,4 +1,4 @@
-// The command slom: subcommands, and how errors end.
+// The command slom: subcommands, and the handling of errors.
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -30,8 +30,8 @@ namespace {
 
 using namespace slom::app;
 
-/// The list of subcommands shows one line of each: the one that follows the sample run, where there is one. Less usual options are
-/// shown by --help-all only.
+/// Formatter that lists each subcommand in one line: the line that follows the sample run, if there is one. It shows less usual options for --help-all
+/// only.
 class HelpFormatter : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
@@ -55,8 +55,9 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
-/// The exit code for what CLI11 throws to end parsing: --help and --version; CLI::RuntimeError, by which a subcommand that
-/// has already reported its failure sets the exit code; and wrong options, which are reported here.
+/// Returns the exit code for an exception by which CLI11 ends parsing. There are 3 kinds: --help and --version;
+/// CLI::RuntimeError, with the exit code of a subcommand that has already reported its failure; and wrong options,
+/// which are reported here.
 int endParsing(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_name() == "CallForVersion") return say(fmt::format("{}\n", error.what())), exit_success;
   if (error.get_exit_code() == exit_success) return app.exit(error);
@@ -75,8 +76,7 @@ int fail(const std::string& sentence, int exit_code) {
   return exit_code;
 }
 
-/// Standard streams that are closed lead to a device on which their use fails, so that no result file takes
-/// their place.
+/// Opens closed standard streams on a device on which their use fails, so that no result file takes their place.
 void occupyStandardStreams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(stream, F_GETFD) == -1)
@@ -84,7 +84,7 @@ void occupyStandardStreams() {
   }
 }
 
-/// `exit_code`, unless what was written to standard output did not arrive.
+/// Returns `exit_code`, unless standard output was lost.
 int afterOutput(int exit_code) {
   errno = 0;
   const bool is_flushed = std::fflush(stdout) == 0;

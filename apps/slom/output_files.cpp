@@ -28,8 +28,8 @@ namespace fs = std::filesystem;
                               path.string(), reason));
 }
 
-/// The file itself: an absolute path, with all symbolic links followed, also where the last one leads to a
-/// file that is not there yet. Two spellings of one file give one path.
+/// Returns the absolute path of the file itself, with all symbolic links followed. The last link may lead to a file
+/// that does not exist yet. Two spellings of one file give one path.
 fs::path resolved(const fs::path& path) {
   constexpr int most_links = 40;
   std::error_code ignored;
@@ -37,14 +37,14 @@ fs::path resolved(const fs::path& path) {
   for (int i = 0; i < most_links && fs::is_symlink(fs::symlink_status(file, ignored)); ++i) {
     const fs::path target = fs::read_symlink(file, ignored);
     if (ignored) break;
-    file = file.parent_path() / target;  // `target` alone where it is absolute
+    file = file.parent_path() / target;  // `target` alone if it is absolute
   }
   const fs::path whole = fs::weakly_canonical(file, ignored);
   return ignored ? file.lexically_normal() : whole;
 }
 
-/// The same text for all names of a file: hard links have device and inode in common. The path where there is
-/// none yet.
+/// Returns the same text for all names of a file: device and inode, which hard links share. Returns the path if no file
+/// exists yet.
 std::string identityOf(const fs::path& path) {
   const fs::path file = resolved(path);
   struct stat status {};
@@ -56,19 +56,19 @@ bool isBelow(const fs::path& path, const char* folder) {
   return path.lexically_normal().string().starts_with(folder);
 }
 
-/// Results replace whole files: a device or a pipe cannot be one.
+/// Throws unless the result can replace a whole file: a device or a pipe cannot.
 void requireFile(const NamedFile& result) {
   std::error_code ignored;
   const auto status = fs::status(result.file, ignored);
   const bool is_file = !fs::exists(status) || fs::is_regular_file(status);
   const fs::path path = fs::absolute(result.file, ignored);
   if (is_file && !isBelow(path, "/dev/") && !isBelow(path, "/proc/"))
-    return;  // /dev/stdout may lead to a file, and is a link to keep
+    return;  // /dev/stdout may lead to a file, but the link must stay
   throw UserError(fmt::format("{} {}: this is {}; give the name of a file", result.option, result.file,
                               fs::is_directory(status) ? "a folder" : "a device or a pipe"));
 }
 
-/// Sixteen letters and digits that nobody can predict.
+/// Returns 16 unpredictable letters and digits.
 std::string randomName() {
   constexpr char digits[] = "abcdefghijklmnopqrstuvwxyz012345";
   std::array<unsigned char, 16> bytes{};
@@ -79,14 +79,14 @@ std::string randomName() {
   return name;
 }
 
-/// What a new file gets, as the umask has it.
+/// Returns the mode of a new file under the umask.
 mode_t newFileMode() {
   const mode_t mask = ::umask(0);
   ::umask(mask);
   return 0666 & ~mask;
 }
 
-/// An open file, closed with its scope.
+/// An open file, closed at the end of its scope.
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
@@ -96,7 +96,7 @@ class Descriptor {
     if (number_ >= 0) ::close(number_);
   }
   int number() const { return number_; }
-  /// Whether all of it reached the file.
+  /// Closes the file. Returns whether all data reached it.
   bool close() { return ::close(std::exchange(number_, -1)) == 0; }
 
  private:
@@ -113,7 +113,7 @@ bool writeAll(int descriptor, std::string_view content) {
   return true;
 }
 
-/// Owner, group and permissions of the file that is replaced, as far as this user may set them.
+/// Copies owner, group and permissions from the replaced file, as far as this user may set them.
 void keepMode(int descriptor, const fs::path& replaced) {
   struct stat old {};
   if (::stat(replaced.c_str(), &old) != 0) {
@@ -147,7 +147,7 @@ void checkResultPaths(const std::vector<NamedFile>& inputs, const std::vector<Na
 }
 
 void requireWritable(const std::vector<std::string>& files) {
-  OutputFiles probe;  // removes what it wrote when it goes
+  OutputFiles probe;  // its destructor removes what it wrote
   for (const std::string& file : files) {
     if (!file.empty()) probe.add(file, "");
   }
@@ -161,15 +161,15 @@ void OutputFiles::add(const fs::path& name, std::string_view content) {
   const fs::path path = resolved(name);
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) cannotWrite(name, "it is a folder");
-  // The temporary name has a fixed length, as the file's name may be as long as names can be. O_EXCL follows no link that
-  // somebody may have put there.
+  // The temporary name has a fixed length, because the file's name may have the maximum length. O_EXCL refuses to
+  // follow a link that somebody may have put there.
   const fs::path temporary = path.parent_path() / (".slom-" + randomName());
   expectUnfinished(temporary);
   files_.push_back({temporary, path});
   Descriptor descriptor(
       ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
   if (descriptor.number() < 0) cannotWrite(name, std::strerror(errno));
-  // A name that is too long is refused now, not when all is done.
+  // A name that is too long is refused now, not after the work.
   struct stat unused {};
   if (::lstat(path.c_str(), &unused) != 0 && errno != ENOENT) cannotWrite(name, std::strerror(errno));
   if (!writeAll(descriptor.number(), content)) cannotWrite(name, std::strerror(errno));

@@ -8,22 +8,22 @@
 
 namespace slom::app {
 
-/// An option and the file that it names; an empty name stands for no file.
+/// An option and the file that it names; empty name: no file.
 struct NamedFile {
   std::string option;
   std::string file;
 };
 
-/// No result may replace an input or another result, and each must be a file: throws UserError, naming the
-/// option. A file is the same one under all its names, symbolic and hard links.
+/// Checks that no result replaces an input or another result, and that each result is a file. Otherwise throws
+/// UserError that names the option. A file is the same under all its names, symbolic and hard links.
 void checkResultPaths(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& results);
 
-/// Finds out before the work, not after it, that a file cannot be written; throws UserError.
+/// Checks before the work that the files can be written. Throws UserError.
 void requireWritable(const std::vector<std::string>& files);
 
-/// A set of files that is written as one: add() writes each under a temporary name beside its place, commit()
-/// gives all of them their names. Whatever is not committed is removed again, so that a failure, also of a
-/// later file, leaves what was there before.
+/// A set of files that is written as one. add() writes each file under a temporary name beside its place; commit()
+/// gives all files their names. Files that are not committed are removed. So a failure, even in a later file, leaves
+/// the previous files unchanged.
 class OutputFiles {
  public:
   OutputFiles() = default;
@@ -31,9 +31,8 @@ class OutputFiles {
   OutputFiles& operator=(const OutputFiles&) = delete;
   ~OutputFiles();
 
-  /// A symbolic link stays one: what it leads to is replaced. Other hard links of that keep
-  /// the old content. Throws UserError when the file cannot be
-  /// written.
+  /// Adds a file. A symbolic link stays: its target is replaced. Other hard links of the target keep the old content.
+  /// Throws UserError if the file cannot be written.
   void add(const std::filesystem::path& name, std::string_view content);
   void commit();
 

@@ -10,13 +10,13 @@ namespace slom::app {
 
 namespace {
 
-/// The character that a text begins with; its length is 0 where the first byte begins none.
+/// The first character of a text. Its length is 0 if the first byte begins no character.
 struct Character {
   std::uint32_t code = 0;
   std::size_t length = 0;
 };
 
-/// UTF-8 by RFC 3629: the shortest form, no surrogates, nothing beyond U+10FFFF.
+/// Reads UTF-8 by RFC 3629: the shortest form, no surrogates, nothing beyond U+10FFFF.
 Character firstOf(std::string_view text) {
   const auto byte = [&](std::size_t i) { return std::uint32_t(static_cast<unsigned char>(text[i])); };
   const std::uint32_t first = byte(0);
@@ -34,7 +34,7 @@ Character firstOf(std::string_view text) {
   return {code, length};
 }
 
-/// Each character through `write(character, its bytes)`; of bytes that begin none, one at a time.
+/// Calls `write(character, its bytes)` for each character. Bytes that begin no character are passed one at a time.
 template <class F>
 void forEach(std::string_view text, const F& write) {
   while (!text.empty()) {

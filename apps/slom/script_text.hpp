@@ -7,7 +7,7 @@
 
 namespace slom::app {
 
-/// JSON as it may stand inside <script>, where "</" would end it.
+/// Returns JSON that is safe inside <script>, where "</" would end the element.
 std::string scriptText(const nlohmann::ordered_json& json);
 
 }  // namespace slom::app

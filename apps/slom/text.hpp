@@ -1,4 +1,4 @@
-// Words for people to read, and numbers that they wrote.
+// Words for people, and numbers written by people.
 #pragma once
 
 #include <charconv>
@@ -10,13 +10,13 @@
 
 namespace slom::app {
 
-/// `1 image`, `2 images`
+/// Returns `1 image` or `2 images`.
 std::string plural(std::size_t count, const std::string& noun);
 
-/// Without blanks at both ends.
+/// Returns the text without blanks at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// All of `text` read as a number; a + may stand before it.
+/// Reads all of `text` as a number, with an optional leading +.
 template <class T>
 bool parseNumber(std::string_view text, T& value) {
   if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
@@ -24,17 +24,18 @@ bool parseNumber(std::string_view text, T& value) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-/// `a, b and c` with the last separator " and ".
+/// Returns `a, b and c` for the last separator " and ".
 std::string listed(const std::vector<std::string>& words, std::string_view separator,
                    std::string_view last_separator);
 
-/// The sentence with a capital letter first, unless its first word is a name such as acc_bias.
+/// Returns the sentence with a capital first letter, unless its first word is a name such as acc_bias.
 std::string capitalised(std::string sentence);
 
-/// The text as lines of at most `width` characters, broken at spaces; all but the first begin with `indent`, which does not count.
+/// Returns the text in lines of at most `width` characters, broken at spaces. Lines after the first begin with
+/// `indent`, which does not count.
 std::string wrapped(std::string_view text, std::size_t width, std::string_view indent = "");
 
-/// A sentence as lines of at most 100 characters, broken at spaces, the first with a bullet.
+/// Returns a sentence in lines of at most 100 characters, broken at spaces, the first with a bullet.
 std::string bulleted(const std::string& sentence);
 
 }  // namespace slom::app

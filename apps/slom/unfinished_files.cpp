@@ -11,12 +11,13 @@ namespace slom::app {
 
 namespace {
 
-/// Signals that end a program that does not handle them, except those of its own faults and those that cannot be handled.
+/// Signals that end a program that does not handle them, except those of the program's own faults and those that cannot
+/// be handled.
 constexpr int ending_signals[] = {SIGINT,  SIGTERM, SIGHUP,  SIGPIPE, SIGQUIT,
                                   SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 
-/// An entry of a list that only grows, so that a signal handler can walk it at any time. Entries whose names are no longer
-/// needed are used again.
+/// An entry of a list that only grows, so that a signal handler can walk it at any time. Entries whose names are no
+/// longer needed are reused.
 struct Entry {
   std::string file;
   std::atomic<bool> is_there = false;
@@ -64,7 +65,7 @@ void expectUnfinished(const std::filesystem::path& file) {
     entry->is_there.store(true);
     return;
   }
-  auto* const entry = new Entry;  // for the rest of the program
+  auto* const entry = new Entry;  // lives until the program ends
   entry->file = file.string();
   entry->is_there.store(true);
   entry->next = first.load();

@@ -1,17 +1,16 @@
-// Files under temporary names, which are removed also where a signal ends the program.
+// Files under temporary names, which are removed even if a signal ends the program.
 #pragma once
 
 #include <filesystem>
 
 namespace slom::app {
 
-/// From now on the file is removed when SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT, SIGALRM, SIGUSR1, SIGUSR2,
-/// SIGXCPU or SIGXFSZ ends the program, if it is there. To be called before it is made. Signals that were
-/// ignored stay so.
+/// Registers a file for removal if SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGQUIT, SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU or
+/// SIGXFSZ ends the program. Call it before the file is made; a missing file is no error. Ignored signals stay ignored.
 void expectUnfinished(const std::filesystem::path& file);
-/// The file has another name now, or is gone.
+/// Forgets a file that has another name now, or is gone.
 void forgetUnfinished(const std::filesystem::path& file);
-/// Removes it, and forgets it.
+/// Removes and forgets a file.
 void removeUnfinished(const std::filesystem::path& file);
 
 }  // namespace slom::app

@@ -1,8 +1,9 @@
-// How often 95 % intervals hold, stated and clustered, over a thousand simulated calibrations, pose graphs and regressions each: prints
-// docs/coverage.md.
+// Coverage of 95 % intervals, stated and clustered, in 1000 simulated calibrations, pose graphs and regressions each.
+// Prints docs/coverage.md.
 //
 //   bench_coverage [RUNS] [--sizes]
-//     1000 RUNS without; --sizes: the section on sizes of groups alone, 4 times as many
+//     RUNS     number of simulations; 1000 by default
+//     --sizes  prints only the section on sizes of groups, with 4 times as many simulations
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -24,15 +25,15 @@ namespace {
 constexpr double kNormal = 1.959964;
 constexpr std::array kGroups{10, 20, 50, 200};
 
-/// What errors are made of, by the group they belong to.
+/// Composition of the errors of a group.
 struct Errors {
   const char* name;
-  double shared;  // size of what the errors of a group have in common
-  double memory;  // correlation of that between successive groups
+  double shared;  // size of the part shared by the group
+  double memory;  // correlation of this part between successive groups
   bool is_ordered = false;
 };
 
-/// Coverage of all parameters together, and that of the one where it is lowest.
+/// Coverage of all parameters together, and of the parameter with the lowest coverage.
 struct Coverage {
   long stated = 0, clustered = 0, all = 0;
   std::vector<long> by_parameter;  // clustered
@@ -57,7 +58,7 @@ struct Coverage {
   }
 };
 
-/// One camera, of which each image is seen a little larger or smaller than the lens says.
+/// Simulates one camera. Each image appears a little larger or smaller than the lens implies.
 Coverage calibrations(int images, const Errors& errors, int runs) {
   namespace calib = slom::calibration;
   calib::testing::RigOptions options;
@@ -93,7 +94,8 @@ Coverage calibrations(int images, const Errors& errors, int runs) {
   return coverage;
 }
 
-/// A round of places that is driven `rounds` times; in each, odometry has a scale of its own and drifts sideways.
+/// Simulates a round of places that is driven `rounds` times. In each round, odometry has its own scale and drifts
+/// sideways.
 Coverage poseGraphs(int rounds, const Errors& errors, int runs) {
   using Pose = mtk::trafo<mtk::SO2<>>;
   constexpr int places = 12;
@@ -137,7 +139,7 @@ Coverage poseGraphs(int rounds, const Errors& errors, int runs) {
     ++coverage.runs;
     for (const std::size_t k : {std::size_t(places / 2), std::size_t(places - 1)}) {
       Eigen::Vector3d error;
-      truth[k].boxminus(mtk::vectview<double, 3>(error.data()), *poses[k]);  // of either sign
+      truth[k].boxminus(mtk::vectview<double, 3>(error.data()), *poses[k]);  // errors of either sign
       const Eigen::Vector3d stated = est.standardDeviation(poses[k]),
                             std = clustered.standardDeviation(poses[k]),
                             dof = clustered.degreesOfFreedom(poses[k]);

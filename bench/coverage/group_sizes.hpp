@@ -1,4 +1,4 @@
-/// How often clustered 95 % intervals hold over sizes and numbers of groups.
+/// Coverage of clustered 95 % intervals over sizes and numbers of groups.
 #pragma once
 
 namespace slom::bench {

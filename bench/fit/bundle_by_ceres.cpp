@@ -1,5 +1,5 @@
-// Bundle adjustment by Ceres, as in its example bundle_adjuster: a camera of 9 numbers, a point of 3, points eliminated
-// first.
+// Bundle adjustment by Ceres, as in its example bundle_adjuster: a camera has 9 numbers, a point 3, and points are
+// eliminated first.
 #include <array>
 #include <memory>
 

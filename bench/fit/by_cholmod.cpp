@@ -1,4 +1,4 @@
-// What CHOLMOD needs for J^T J of a pose graph, at its start and with the J of Ceres.
+// Cost of CHOLMOD for J^T J of a pose graph, at its start and with the J of Ceres.
 #include <algorithm>
 #include <cholmod.h>
 #include <limits>
@@ -15,11 +15,11 @@ namespace slom::bench {
 
 namespace {
 
-/// With more operations than this the simplicial method is left out, because it takes long and is slower.
+/// Number of operations above which the simplicial method is omitted, because it takes long and is slower.
 constexpr double kMostSimplicialFlops = 1e10;
 
 Eigen::SparseMatrix<double> normalMatrix(CeresProblem& problem) {
-  ceres::Problem::EvaluateOptions options;  // without the columns of fixed variables
+  ceres::Problem::EvaluateOptions options;  // omits the columns of fixed variables
   problem.problem.GetParameterBlocks(&options.parameter_blocks);
   std::erase_if(options.parameter_blocks,
                 [&](const double* block) { return problem.problem.IsParameterBlockConstant(block); });

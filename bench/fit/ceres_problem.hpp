@@ -1,4 +1,4 @@
-/// What the fits by Ceres have in common.
+/// Common parts of the fits by Ceres.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace slom::bench {
 
 class CeresProblem {
  public:
-  /// huber: Limits::huber
+  /// Makes the problem. huber: Limits::huber.
   explicit CeresProblem(double huber) {
     if (huber > 0) loss_ = std::make_unique<ceres::HuberLoss>(huber);
   }
@@ -41,7 +41,7 @@ template <class Pose>
 std::unique_ptr<CeresProblem> ceresProblemOf(const io::PoseGraph<Pose>& graph, double huber);
 std::unique_ptr<CeresProblem> ceresProblemOf(const io::Scene& scene, double huber);
 
-/// Levenberg-Marquardt.
+/// Fits by Levenberg-Marquardt.
 Run solveByCeres(CeresProblem& problem, ceres::LinearSolverType solver, const Limits& limits);
 
 }  // namespace slom::bench

@@ -56,7 +56,7 @@ void addRun(const Program& program, const ChildLimits& limits, double base_bytes
   result.memory_bytes = std::max(result.memory_bytes, outcome.peak_bytes - base_bytes);
 }
 
-/// A program that failed once is not run again.
+/// Runs all programs in turn. A program that failed once is not run again.
 std::vector<ProgramResult> runInTurn(const std::vector<Program>& programs, const ComparisonOptions& options) {
   const double base_bytes = runInChild([] { return std::string(); }, {}).peak_bytes;
   std::vector<ProgramResult> results;

@@ -1,4 +1,4 @@
-/// All programs on one problem, each run in a process of its own.
+/// All programs on one problem, each run in its own process.
 #pragma once
 
 #include <optional>
@@ -11,22 +11,22 @@
 
 namespace slom::bench {
 
-/// What one program did in all rounds.
+/// Results of one program in all rounds.
 struct ProgramResult {
   std::string program;
   std::string failure;          ///< why there is no run; otherwise empty
   Run run;                      ///< the round with the median time
   std::vector<double> seconds;  ///< times of all rounds
-  double memory_bytes = 0;      ///< most that a run had beside the problem as it was read
+  double memory_bytes = 0;      ///< largest memory of a run, beyond the problem as read
 };
 
 struct Comparison {
   Problem problem;  ///< without its data
   std::size_t variables = 0, measurements = 0;
-  std::vector<ProgramResult> programs;  ///< SLoM, if it was run, is the first
+  std::vector<ProgramResult> programs;  ///< SLoM, if it was run, comes first
   std::optional<Factorization> slom, cholmod;
 
-  /// The lowest RSS of all.
+  /// Returns the lowest RSS of all programs.
   double bestRss() const;
 };
 
@@ -38,11 +38,11 @@ struct ComparisonOptions {
   ChildLimits child;               ///< limits of each run
 };
 
-/// The programs take turns. Fits of less than half a second are run twice in their process, and the second run counts: the
-/// first one touches memory and code for the first time.
+/// Compares the programs, which take turns. A fit of less than 0.5 s is run twice in its process and the second run
+/// counts, because the first run touches memory and code for the first time.
 Comparison compare(Problem problem, const ComparisonOptions& options);
 
-/// Names for ComparisonOptions::only.
+/// Returns the names for ComparisonOptions::only.
 const std::vector<std::string>& programNames();
 
 }  // namespace slom::bench

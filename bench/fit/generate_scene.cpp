@@ -24,7 +24,7 @@ Vec3 normalVector(Random& random, double sigma) {
   return v;
 }
 
-/// At the point (x, y) of the lattice.
+/// Returns a camera above the point (x, y) of the lattice.
 Camera cameraAbove(double x, double y, Random& random) {
   Camera camera;
   camera.pose.orient = mtk::SO3<>::exp(normalVector(random, kTilt));
@@ -34,7 +34,7 @@ Camera cameraAbove(double x, double y, Random& random) {
   return camera;
 }
 
-/// Turned about its own centre, so that large scenes start as near to the solution as small ones.
+/// Returns the camera turned about its own centre, so that large scenes start as near to the solution as small ones.
 Camera disturbed(const Camera& truth, Random& random) {
   const Vec3 centre = truth.pose.orient.inverse() * truth.pose.pos;
   Camera camera = truth;
@@ -46,7 +46,7 @@ Camera disturbed(const Camera& truth, Random& random) {
   return camera;
 }
 
-/// The cameras of a lattice of side x side that are nearest to a place, in ascending order.
+/// Returns the cameras of a lattice of side x side that are nearest to a place, in ascending order.
 std::vector<int> nearestCameras(double x, double y, int side) {
   struct Candidate {
     double distance;

@@ -1,6 +1,7 @@
-// Pose graphs by Ceres, with the parameter blocks of its own examples (examples/slam): in the plane position 2 and angle 1
-// with an angle manifold, in space position 3 and Eigen quaternion 4 with EigenQuaternionManifold. The residual is the one
-// of `slom graph`: z^-1 (a^-1 b), translation and rotation vector, whitened by L^T for the information L L^T.
+// Pose graphs by Ceres, with the parameter blocks of its own examples (examples/slam). In the plane: position 2, and
+// angle 1 with an angle manifold. In space: position 3, and Eigen quaternion 4 with EigenQuaternionManifold. The
+// residual is that of `slom graph`: z^-1 (a^-1 b), translation and rotation vector, whitened by L^T for the information
+// L L^T.
 #include <memory>
 
 #include <Eigen/Cholesky>
@@ -83,7 +84,7 @@ struct SpaceEdge {
   }
 };
 
-/// The numbers of a pose as Ceres has them.
+/// Parameter blocks of a pose for Ceres.
 template <class Pose>
 struct Blocks;
 template <>

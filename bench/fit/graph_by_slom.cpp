@@ -1,4 +1,4 @@
-// Pose graphs by SLoM, as the command `slom graph` fits them.
+// Pose graphs by SLoM, as in the command `slom graph`.
 #include <slom/base/threads.hpp>
 #include <slom/io/pose_graph_model.hpp>
 #include <slom/solve/block_solver.hpp>
@@ -11,7 +11,7 @@ namespace slom::bench {
 
 namespace {
 
-/// The blocks of all poses and landmarks that are not fixed, and which of them meet.
+/// Returns the blocks of all poses and landmarks that are not fixed, and which of them meet.
 template <class Pose>
 BlockStructure structureOf(const io::PoseGraph<Pose>& graph) {
   BlockStructure structure;

@@ -14,10 +14,10 @@ Run runFromJson(const Json& json);
 Json toJson(const Factorization& factorization);
 Factorization factorizationFromJson(const Json& json);
 
-/// What is not known is null.
+/// Returns the comparison as JSON; unknown values are null.
 Json toJson(const Comparison& comparison, const ComparisonOptions& options);
 
-/// Processor, compiler, flags, BLAS.
+/// Returns processor, compiler, flags and BLAS.
 Json machineJson();
 /// Measures the rates of dgemm.
 void addDgemm(Json& machine);

@@ -1,9 +1,9 @@
-// How long does a whole fit take, by SLoM and by Ceres, and how much memory?
+// Time and memory of whole fits, by SLoM and by Ceres.
 //
 //   bench_fit [--threads N] [--rounds N] [--max-iterations N] [--robust huber:D] [--json FILE] ... PROBLEM...
 //
-// See --help. Prints a Markdown table. Ends with status 1 when two programs converge to the same minimum but differ there by
-// more than 1e-8.
+// See --help. Prints a Markdown table. Ends with status 1 if two programs converge to the same minimum but differ there
+// by more than 1e-8.
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -78,7 +78,7 @@ double huberScale(const std::string& text) {
                  ": write huber:SCALE; SCALE is a positive number of standard deviations");
 }
 
-/// False when a program that converged is at another cost than the best one, and yet at the same minimum.
+/// Returns false if a converged program has a cost other than the best one at the same minimum.
 bool agree(const Comparison& comparison) {
   constexpr double tolerance = 1e-8, same_minimum = 1e-6;
   bool good = true;
@@ -99,7 +99,7 @@ bool run(const Arguments& arguments) {
   Json& machine = results["machine"];
   std::cout << machine["processor"].get<std::string>() << ", " << instructionSet() << ", " << compilerName()
             << " " << compileFlags() << "; BLAS of CHOLMOD: " << blasLibrary();
-  if (arguments.comparison.only.empty()) {  // otherwise a profiler is at work, whom it would disturb
+  if (arguments.comparison.only.empty()) {  // otherwise a profiler is running, which dgemm would disturb
     addDgemm(machine);
     std::cout << "; dgemm " << 1e-9 * machine["dgemm_1024"].get<double>() << " GFLOP/s, of 48 x 48 "
               << 1e-9 * machine["dgemm_48"].get<double>();

@@ -34,7 +34,7 @@ struct Overloaded : F... {
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;
 
-/// Files of pose graphs begin with a tag, those of scenes with a number.
+/// Returns whether a file holds a graph. Files of pose graphs begin with a tag, those of scenes with a number.
 bool holdsGraph(const std::string& file) {
   if (file.ends_with(".bz2")) return false;
   std::ifstream stream(file);
@@ -61,7 +61,7 @@ constexpr std::pair<const char*, Start> starts[] = {{"file", Start::given},
                                                     {"chordal", Start::chordal},
                                                     {"build-up", Start::build_up}};
 
-/// None: the one with the lowest RSS.
+/// Parses the name of a start; none: the start with the lowest RSS.
 std::optional<Start> parseStart(const std::string& text) {
   if (text == "auto") return std::nullopt;
   for (const auto& [name, start] : starts) {
@@ -81,7 +81,7 @@ Start chooseStart(io::PoseGraph<Pose>& graph) {
   return initialize::chooseStart(graph, candidates, find, model).start;
 }
 
-/// Holds the first pose where the file has no lines FIX, and finds start values. Returns the name of the start.
+/// Holds the first pose if the file has no FIX lines, and finds start values. Returns the name of the start.
 template <class Pose>
 std::string prepare(io::PoseGraph<Pose>& graph, const ProblemOptions& options) {
   if (!options.deviations.empty()) setDeviations(graph, options.deviations);
@@ -128,7 +128,7 @@ constexpr Generator generators[] = {
     {"scene", [](int size) -> AnyProblem { return generateScene(size); }},
 };
 
-/// False when `source` names no generator.
+/// Generates a problem. Returns false if `source` names no generator.
 bool generate(const std::string& source, Problem& problem) {
   const std::size_t colon = source.find(':');
   if (colon == std::string::npos) return false;

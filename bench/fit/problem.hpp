@@ -1,4 +1,4 @@
-/// What is fitted: a pose graph or a scene, from a file or generated.
+/// A problem to fit: a pose graph or a scene, from a file or generated.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ struct Problem {
   std::string name;
   bool is_generated = false;
   std::string kind;   ///< `graph in the plane`, `graph in space` or `bundle`
-  std::string start;  ///< where the fit starts, in a few words
+  std::string start;  ///< description of the start, in a few words
   AnyProblem data;
 
   bool isGraph() const { return data.index() < 2; }
@@ -25,15 +25,16 @@ struct Problem {
 };
 
 struct ProblemOptions {
-  std::string
-      init;  ///< as `slom graph --init`, where odometry follows the order of the file; empty: the file's vertices, or a spanning tree where there are none
-  std::vector<double>
-      deviations;  ///< standard deviations of all edges of a graph, instead of their information; empty: none
+  /// As `slom graph --init`, but odometry follows the order of the file. Empty: the file's vertices, or a spanning tree
+  /// if there are none.
+  std::string init;
+  /// Standard deviations of all edges of a graph, in place of their information; empty: none.
+  std::vector<double> deviations;
 };
 
-/// `source`: a file that `slom graph` or `slom bundle` reads; or a generated problem of about that many poses or
-/// observations: `grid2d:SIZE`, `sheet:SIZE`, `grid3d:SIZE` (generate_graph.hpp), `scene:SIZE` (generate_scene.hpp). Throws
-/// BadInput and the errors of slom::io and slom::initialize.
+/// Loads a problem. `source` is a file that `slom graph` or `slom bundle` reads, or a generator with the number of
+/// poses or observations: `grid2d:SIZE`, `sheet:SIZE`, `grid3d:SIZE` (generate_graph.hpp), `scene:SIZE`
+/// (generate_scene.hpp). Throws BadInput and the errors of slom::io and slom::initialize.
 Problem loadProblem(const std::string& source, const ProblemOptions& options);
 
 }  // namespace slom::bench

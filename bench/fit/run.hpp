@@ -1,4 +1,4 @@
-/// One fit by one program, as the benchmark compares them.
+/// One fit by one program, for the benchmark's comparison.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@
 namespace slom::bench {
 
 struct TracePoint {
-  double seconds = 0;  ///< since the start of the fit, the problem having been built before
-  double rss = 0;      ///< sum of squared whitened residuals, with a loss the robust cost; no 1/2
+  double seconds = 0;  ///< since the start of the fit, which follows building the problem
+  double rss = 0;      ///< sum of squared whitened residuals, or the robust cost; no 1/2
 };
 
 struct Run {
@@ -30,7 +30,7 @@ struct Run {
   std::vector<TracePoint> trace;
 
   double finalRss() const { return trace.back().rss; }
-  /// When the RSS first came within the share `tolerance` of `best`; NaN when it never did.
+  /// Returns the time at which the RSS first came within the fraction `tolerance` of `best`; NaN if it never did.
   double secondsUntil(double best, double tolerance) const;
 };
 
@@ -40,7 +40,7 @@ struct Limits {
   double huber = 0;  ///< scale of Huber's loss of all measurements [standard deviations]; 0: squares
 };
 
-/// Both programs stop when an iteration lowers the RSS by less than this share, and by no other test.
+/// Decrease of the RSS in an iteration, relative to the RSS, below which both programs stop. No other test stops them.
 inline constexpr double kDecreaseTolerance = 1e-12;
 inline constexpr double kOtherTolerances = 1e-16;
 
@@ -48,32 +48,33 @@ double median(std::vector<double> values);
 
 Run runOf(const Summary& summary);
 
-/// Gauss-Newton for pose graphs, Levenberg-Marquardt for bundles, as the commands do it.
+/// Fits by Gauss-Newton for pose graphs and Levenberg-Marquardt for bundles, as the commands do.
 template <class Pose>
 Run fitBySlom(const io::PoseGraph<Pose>& graph, const Limits& limits);
 Run fitBySlom(const io::Scene& scene, const Limits& limits);
 
 enum class Schur { dense, sparse, iterative };
 #ifdef SLOM_BENCH_CERES
-/// Levenberg-Marquardt with SPARSE_NORMAL_CHOLESKY by SuiteSparse, derivatives by Ceres' automatic differentiation.
+/// Fits by Levenberg-Marquardt with SPARSE_NORMAL_CHOLESKY of SuiteSparse. Derivatives are by Ceres' automatic
+/// differentiation.
 template <class Pose>
 Run fitByCeres(const io::PoseGraph<Pose>& graph, const Limits& limits);
-/// The same with a Schur complement.
+/// Fits by Levenberg-Marquardt with a Schur complement.
 Run fitByCeres(const io::Scene& scene, Schur schur, const Limits& limits);
 #endif
 
-/// What a factorisation of J^T J alone needs.
+/// Cost of a factorisation of J^T J alone.
 struct Factorization {
   double symbolic_seconds = 0;
   double numeric_seconds = 0;  ///< 0: not measured
   double flops = 0;            ///< additions and multiplications
 };
-/// SLoM's symbolic work on the same structure: order, fronts, layout. Pivots are merged into larger fronts where that is
-/// faster, so it counts more operations than the sparsest factor needs.
+/// Measures SLoM's symbolic work on the same structure: order, fronts, layout. Pivots are merged into larger fronts if
+/// that is faster, so there are more operations than the sparsest factor needs.
 template <class Pose>
 Factorization analyzeBySlom(const io::PoseGraph<Pose>& graph);
 #ifdef SLOM_BENCH_CHOLMOD
-/// The faster of CHOLMOD's simplicial and supernodal factorisation, each the best of several.
+/// Measures the faster of CHOLMOD's simplicial and supernodal factorisations, each the best of several.
 template <class Pose>
 Factorization factorizeByCholmod(const io::PoseGraph<Pose>& graph);
 #endif

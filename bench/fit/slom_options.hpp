@@ -1,4 +1,4 @@
-/// What the fits by SLoM have in common.
+/// Common parts of the fits by SLoM.
 #pragma once
 
 #include <slom/model/loss.hpp>

@@ -14,7 +14,7 @@ double secondsOf(const F& f) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Processor time of all threads of this process; other processes do not count.
+/// Returns the processor time of all threads of this process; other processes do not count.
 template <class F>
 double processorSecondsOf(const F& f) {
   const std::clock_t start = std::clock();
@@ -22,7 +22,7 @@ double processorSecondsOf(const F& f) {
   return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-/// The shortest time of seven, of fewer when they take more than two seconds together.
+/// Returns the shortest of seven times, or of fewer if they take more than 2 s in total.
 template <class F>
 double bestSecondsOf(const F& f) {
   constexpr int repetitions = 7;

@@ -1,13 +1,15 @@
-// Does each call on one variable take time in proportion to what it touches, whatever the size of the problem?
+// Growth of the cost of calls on one variable: the time should be proportional to what a call touches, at any size.
 //
 //   bench_growth [MOST]      problems of 10^3, 10^4, ... up to MOST variables, 10^6 by default
 //
-// Chains of points, each measured from its neighbour. Prints nanoseconds a call for each size, and for diagnose() how many
-// iterations of the fit it takes, all in processor time. Ends with status 1 when a call takes more than eight times as long in the largest problem as
-// in one of 10^4 variables; caches account for some of that.
+// A first table is for chains of points, each measured from its neighbour. It shows nanoseconds per call for each size,
+// and the cost of diagnose() in iterations of the fit, all in processor time. The program ends with status 1 if a call
+// takes more than 8 times as long in the largest problem as in one of 10^4 variables. Caches explain part of such a
+// factor.
 //
-// A second table is of a walk to and fro over a square of points, each measured from the one before and from its neighbour in the row
-// before: what the next step of the fit takes for setup (structure, order of elimination, layout) after one change.
+// A second table is for a walk to and fro over a square of points. Each point is measured from the one before and from
+// its neighbour in the previous row. The table shows the time of setup (structure, order of elimination, layout) in the
+// next step of the fit after one change.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -49,7 +51,7 @@ struct Chain {
   }
 };
 
-/// Processor time of all threads [s]: other programs on the machine do not count.
+/// Returns the processor time of all threads [s]; other programs on the machine do not count.
 template <class F>
 double seconds(const F& f) {
   const std::clock_t start = std::clock();
@@ -57,7 +59,7 @@ double seconds(const F& f) {
   return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-/// Nanoseconds for each variable.
+/// Returns nanoseconds per variable.
 template <class F>
 double perCall(const std::vector<Id>& points, const F& f) {
   return 1e9 * seconds([&] {
@@ -66,7 +68,7 @@ double perCall(const std::vector<Id>& points, const F& f) {
          static_cast<double>(points.size());
 }
 
-/// Names and times of all calls at this size.
+/// Returns names and times of all calls at this size.
 std::vector<std::pair<std::string, double>> measure(int size) {
   Chain chain(size);
   slom::Estimator& est = chain.est;
@@ -82,7 +84,7 @@ std::vector<std::pair<std::string, double>> measure(int size) {
   add("bound(id, \"y\", -1, inf)", [&](const Id& id) { est.bound(id, "y", -1, kInfinity); });
   add("reinitRV", [&](const Id& id) { est.reinitRV(id, *id); });
   add("bound(id, \"y\", -inf, inf)", [&](const Id& id) { est.bound(id, "y", -kInfinity, kInfinity); });
-  est.getRSS(chain.points[0]);  // makes its table
+  est.getRSS(chain.points[0]);  // makes the problem's table of uses
   add("getRSS(id)", [&](const Id& id) { sum += est.getRSS(id); });
   add("prior, getRSS(id), removed", [&](const Id& id) {
     const auto prior = est.prior(id, Point(), 1);
@@ -104,7 +106,7 @@ std::vector<std::pair<std::string, double>> measure(int size) {
   return times;
 }
 
-/// Seconds of an iteration, and of diagnose().
+/// Returns the times of an iteration and of diagnose() [s].
 std::pair<double, double> diagnosis(int size) {
   Chain chain(size);
   slom::Options options;
@@ -117,7 +119,7 @@ std::pair<double, double> diagnosis(int size) {
   return {iteration, seconds([&] { chain.est.diagnose(); })};
 }
 
-/// A walk to and fro over a square of points, of about this size.
+/// A walk to and fro over a square of about this many points.
 class Walk {
  public:
   explicit Walk(int size) : width_(static_cast<int>(std::sqrt(size))) {
@@ -155,7 +157,7 @@ class Walk {
   std::vector<Id> points_;
 };
 
-/// Milliseconds of setup in the step after a change, the least of some, with the part of the rest of the step that this is.
+/// Returns milliseconds of setup in the step after a change, the least of some, and its ratio to the rest of the step.
 std::vector<std::pair<std::string, std::string>> setups(int size) {
   Walk walk(size);
   slom::Estimator& est = walk.est();

@@ -22,7 +22,7 @@ constexpr int kMostParameters = 11;
 
 }  // namespace
 
-/// With Ceres' default options but for the number of iterations, which are SLoM's.
+/// Fits with Ceres' default options, except for the number of iterations, which is SLoM's.
 Claim fitByCeres(const Problem& problem, Method method) {
   Claim claim;
   claim.x = problem.start;

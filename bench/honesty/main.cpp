@@ -1,11 +1,14 @@
-// Does "converged" hold? Fits from random starts, their claims checked in long double.
+// Checks claims of convergence: fits from random starts, with claims checked in long double.
 //
 //   bench_honesty [--first K] [--fits N] [--set NAME] [--slom] [--verbose]
-//     N random starts of each set, 1000 without, from number K on, 0 without; of the set NAME alone; --slom: without the peers
+//     --first K   number of the first random start of each set; 0 by default
+//     --fits N    number of random starts of each set; 1000 by default
+//     --set NAME  only this set
+//     --slom      without the peers
 //
 // by_scipy.py has the rows of SciPy.
 //
-// A false claim of SLoM ends the program with status 1.
+// If a claim of SLoM is false, the program ends with status 1.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -24,7 +27,7 @@ namespace {
 struct Score {
   int fits = 0, throws = 0, claims = 0, false_claims = 0;
   int free = 0;     ///< true claims with free directions, away from the known minima
-  int saddles = 0;  ///< fits that end at the known saddle, whatever they claim
+  int saddles = 0;  ///< fits that end at the known saddle, whatever their claim
   int optima = 0;
   double iterations = 0;
 };
@@ -34,7 +37,7 @@ using Fit = std::function<Claim(const Problem&)>;
 struct Set {
   const char* name;
   std::function<Problem(std::uint64_t)> problem;
-  int count = -1;  ///< the number of its problems; -1: as many as asked for
+  int count = -1;  ///< number of its problems; -1: as many as requested
 };
 
 struct Row {

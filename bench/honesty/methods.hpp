@@ -1,4 +1,4 @@
-/// The peers' claims.
+/// Claims of the peers.
 #pragma once
 
 #include <vector>

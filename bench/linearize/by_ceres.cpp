@@ -1,10 +1,10 @@
-// The same residuals as Ceres' users write them, in the parameter blocks of its own examples:
+// The same residuals as users of Ceres write them, in the parameter blocks of its own examples:
 //   bundle adjustment  camera = 9 numbers, the rotation as angle-axis, no manifold
-//   (examples/snavely_reprojection_error) relative pose      position 3 and Eigen quaternion 4 of each pose,
-//   EigenQuaternionManifold (examples/slam/pose_graph_3d) stereo camera      9 numbers of each camera, poses
-//   as in the pose graph
-// Ceres computes each manifold's PlusJacobian once per evaluation and multiplies every Jacobian by it; so
-// does this.
+//                      (examples/snavely_reprojection_error)
+//   relative pose      position 3 and Eigen quaternion 4 of each pose, EigenQuaternionManifold
+//                      (examples/slam/pose_graph_3d)
+//   stereo camera      9 numbers of each camera, poses as in the pose graph
+// Ceres computes each manifold's PlusJacobian once per evaluation and multiplies every Jacobian by it. So does this.
 #include <array>
 #include <cmath>
 #include <memory>
@@ -98,7 +98,7 @@ std::vector<Pose> posesOf(const std::vector<SE3>& poses) {
   return result;
 }
 
-/// PlusJacobian of the quaternions of some poses.
+/// The PlusJacobians of the quaternions of some poses.
 class PlusJacobians {
  public:
   explicit PlusJacobians(std::size_t count) : all_(count) {}
@@ -114,14 +114,15 @@ class PlusJacobians {
   std::vector<RowMajor<4, 3>> all_;
 };
 
-/// EigenQuaternionManifold's step d turns by 2 d in the outer frame, SLoM's by d in the inner one.
+/// Converts columns. A step d of EigenQuaternionManifold turns by 2 d in the outer frame, a step of SLoM by d in the
+/// inner frame.
 template <int Rows, class Columns>
 void toInnerFrame(Columns columns, const mtk::SO3<>& R) {
   const Eigen::Matrix<double, Rows, 3> by_outer = columns;
   columns = by_outer * R.toRotationMatrix() / 2;
 }
 
-/// For angle-axis p: d R exp(d) / d p is the right Jacobian of SO(3),
+/// Returns d R exp(d) / d p for angle-axis p, the right Jacobian of SO(3),
 ///   I - (1 - cos|p|) / |p|^2 [p]x + (|p| - sin|p|) / |p|^3 [p]x^2.
 Eigen::Matrix3d rightJacobian(const Eigen::Vector3d& p) {
   const double angle = p.norm(), square = angle * angle;
@@ -131,7 +132,7 @@ Eigen::Matrix3d rightJacobian(const Eigen::Vector3d& p) {
          (angle - std::sin(angle)) / (square * angle) * S * S;
 }
 
-/// Puts row-major blocks of these widths, one after the other, side by side.
+/// Rearranges consecutive row-major blocks of these widths side by side.
 template <int Rows, int... Widths>
 void putSideBySide(double* J) {
   constexpr int cols = (Widths + ...);
@@ -145,8 +146,8 @@ void putSideBySide(double* J) {
   (put(Eigen::Map<const RowMajor<Rows, Widths>>(blocks.data() + Rows * first)), ...);
 }
 
-/// Evaluates `problem`, which leaves row-major blocks of these widths. They are brought to the layout and the
-/// coordinates of SLoM (the latter by convert(i, J)) when they are checked, not when they are timed.
+/// Returns the variant that evaluates `problem`, which leaves row-major blocks of these widths. For checks, not for
+/// timing, the blocks are brought to the layout of SLoM, and by convert(i, J) to its coordinates.
 template <int Rows, int... Widths, class Problem, class Convert>
 Variant evaluated(std::shared_ptr<Problem> problem, Convert convert) {
   constexpr int cols = (Widths + ...);
@@ -165,8 +166,8 @@ Variant evaluated(std::shared_ptr<Problem> problem, Convert convert) {
 
 // ---- evaluation
 
-// Each holds the cost functions with the parameter blocks that each one gets, and the variables, which stay
-// where they are. evaluate(i, r, J) writes the Jacobian block after block, row-major, as Ceres does.
+// Each class holds the cost functions, their parameter blocks, and the variables at fixed addresses. evaluate(i, r, J)
+// writes the Jacobian block by block, row-major, as Ceres does.
 
 struct BalProblem {
   explicit BalProblem(const BalData& data) {

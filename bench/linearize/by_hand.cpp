@@ -1,6 +1,5 @@
 // Closed formulas. Rotations are perturbed on the right, R exp(d), tangents are (translation, rotation):
-//   P = R X + t,  a' = (d u / d P)'  gives  d u / d t = a',  d u / d X = (R' a)',  d u / d rotation = (X x R'
-//   a)'
+//   P = R X + t,  a' = (d u / d P)'  gives  d u / d t = a',  d u / d X = (R' a)',  d u / d rotation = (X x R' a)'
 #include <cmath>
 
 #include "linearize/variants.hpp"
@@ -25,7 +24,7 @@ struct Quat {
 
 Quat load(const mtk::SO3<>& R) { return {R.x(), R.y(), R.z(), R.w()}; }
 
-/// conj(a) * b
+/// Returns conj(a) * b.
 Quat between(const Quat& a, const Quat& b) {
   return {a.w * b.x - a.x * b.w - a.y * b.z + a.z * b.y, a.w * b.y + a.x * b.z - a.y * b.w - a.z * b.x,
           a.w * b.z - a.x * b.y + a.y * b.x - a.z * b.w, a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z};
@@ -47,7 +46,7 @@ struct Mat3 {
     return {row0.x * v.x + row0.y * v.y + row0.z * v.z, row1.x * v.x + row1.y * v.y + row1.z * v.z,
             row2.x * v.x + row2.y * v.y + row2.z * v.z};
   }
-  /// R' v
+  /// Returns R' v.
   Vec3 back(const Vec3& v) const {
     return {row0.x * v.x + row1.x * v.y + row2.x * v.z, row0.y * v.x + row1.y * v.y + row2.y * v.z,
             row0.z * v.x + row1.z * v.y + row2.z * v.z};
@@ -158,8 +157,8 @@ void linearizeRelativePose(const SE3& a, const SE3& b, const SE3& measured, doub
 
 // ---- stereo camera
 
-/// Projection of P by camera c: residual to r[0], r[1]; derivatives by P to u_P, v_P, by the nine parameters
-/// to the two rows at J of a matrix of 4 rows.
+/// Projects P by camera c. Writes the residual to r[0], r[1], and derivatives by P to u_P, v_P. Writes derivatives by
+/// the nine parameters to the two rows at J of a matrix of 4 rows.
 void linearizeProjection(const mtk::vect<9>& c, const Vec3& P, const double* pixel, double* r, double* J,
                          Vec3& u_P, Vec3& v_P) {
   const double fx = c[0], fy = c[1], k1 = c[4], k2 = c[5], p1 = c[6], p2 = c[7], k3 = c[8];

@@ -17,7 +17,7 @@ namespace slom::bench {
 
 namespace {
 
-/// Takes the batches and drops them.
+/// A sink that drops the batches.
 class NullSink final : public JacobianSink {
  public:
   void beginLinearization() override {}
@@ -28,7 +28,7 @@ class NullSink final : public JacobianSink {
   void endLinearization() override {}
 };
 
-/// Keeps the batches of the only group.
+/// A sink that keeps the batches of the only group.
 class KeepingSink final : public JacobianSink {
  public:
   explicit KeepingSink(Derivatives& all) : all_(all) {}
@@ -43,13 +43,13 @@ class KeepingSink final : public JacobianSink {
   Derivatives& all_;
 };
 
-/// The function F for arguments of these types alone, so that it accepts no other numbers than double.
+/// The function F for arguments of only these types, so that it accepts no other numbers than double.
 template <class F, class... Args>
 struct OfTypes {
   auto operator()(const Args&... args) const { return F()(args...); }
 };
 
-/// A problem whose variables and measurements `fill(problem)` inserts.
+/// Returns the variant of a problem whose variables and measurements `fill(problem)` inserts.
 template <int Rows, int Cols, class Fill>
 Variant linearized(std::string name, double tolerance, Fill fill) {
   struct State {
@@ -76,7 +76,7 @@ Variant linearized(std::string name, double tolerance, Fill fill) {
   return variant;
 }
 
-/// As Estimator::insertMeasurement, without a statement about the noise.
+/// Inserts a measurement as Estimator::insertMeasurement does, without noise.
 template <class F, class... Args>
 void insert(Problem& problem, const F& f, const Args&... args) {
   problem.insertMeasurement(CallableMeasurement<F, Args...>(f, args...), viewNoise(UnitCovariance{}));
@@ -89,7 +89,8 @@ std::vector<VarID<T>> insertAll(Problem& problem, const std::vector<T>& values) 
   return ids;
 }
 
-/// The variants of function F on `data`; fill(problem, f, data) inserts f. Args: the types that F gets.
+/// Returns the variants of function F on `data`; fill(problem, f, data) inserts f. Args: the types of the arguments of
+/// F.
 template <int Rows, int Cols, class F, class... Args, class Data, class Fill>
 std::vector<Variant> variantsOf(const Data& data, Fill fill) {
   std::vector<Variant> all;

@@ -17,7 +17,7 @@ class Random {
     const double x = uniform(-half_width, half_width), y = uniform(-half_width, half_width);
     return {x, y, uniform(-half_width, half_width)};
   }
-  /// Turned by up to `angle` about each axis and moved by up to `distance` along it.
+  /// Returns a pose turned by up to `angle` about each axis and moved by up to `distance` along it.
   SE3 pose(double angle, double distance) {
     const mtk::SO3<> rotation = mtk::SO3<>::exp(box(angle));
     return {rotation, box(distance)};

@@ -1,5 +1,5 @@
-/// Simulated variables and data of the three measurements: realistic values, a fixed seed, small enough for
-/// L2.
+/// Simulated variables and data of the three measurements: realistic values, a fixed seed, small enough for the L2
+/// cache.
 #pragma once
 
 #include <vector>
@@ -41,7 +41,7 @@ struct StereoData {
   std::vector<Corner> corners;  ///< view after view
 };
 
-/// The values are not the best fit: residuals are a few pixels, centimetres and degrees.
+/// Simulates data. The values are not the best fit: residuals are a few pixels, centimetres and degrees.
 BalData simulateBal();
 PoseGraphData simulatePoseGraph();
 StereoData simulateStereo();

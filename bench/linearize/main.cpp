@@ -1,9 +1,9 @@
-// How long does a residual with its Jacobian take, written by hand, by Ceres' automatic derivatives, by SLoM?
+// Time of a residual with its Jacobian: written by hand, by Ceres' automatic derivatives, by SLoM.
 //
-//   bench_linearize [--repetitions N] [--json FILE]   checks all variants, times them, prints a Markdown
-//   table bench_linearize --check                           checks them only
+//   bench_linearize [--repetitions N] [--json FILE]   checks all variants, times them, prints a Markdown table
+//   bench_linearize --check                           checks them only
 //
-// Every variant must agree with the one written by hand; one that does not ends the program with status 1.
+// Every variant must agree with the one written by hand. If one does not, the program ends with status 1.
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -45,7 +45,7 @@ Arguments parse(int argc, char** argv) {
   return result;
 }
 
-/// All variants of one data set, the reference first.
+/// Returns all variants of one data set, the reference first.
 template <class Data>
 std::vector<Variant> variantsOf(const Data& data) {
   std::vector<Variant> all{byHand(data)};
@@ -56,7 +56,7 @@ std::vector<Variant> variantsOf(const Data& data) {
   return all;
 }
 
-/// Appends the rows of one measurement; false when a variant computes something else than the reference.
+/// Appends the rows of one measurement. Returns false if a variant deviates from the reference.
 template <class Data>
 bool measure(const std::string& measurement, const Data& data, const Arguments& arguments, Table& table) {
   const std::vector<Variant> variants = variantsOf(data);

@@ -1,4 +1,4 @@
-/// The three measurements, as a user of SLoM writes them: functions of anything that computes like numbers.
+/// The three measurements as a user of SLoM writes them: functions of any type that computes like numbers.
 ///
 ///   BalReprojection     camera (9), point (3)                            residual 2   [px]
 ///   RelativePose        pose a (6), pose b (6)                           residual 6   [m, rad]
@@ -17,8 +17,8 @@ using SE3 = mtk::trafo<mtk::SO3<>>;
 using Vec3 = mtk::vect<3>;
 using OpenCv5 = mtk::vect<9>;  ///< fx, fy, cx, cy, k1, k2, p1, p2, k3
 
-/// Camera of "Bundle adjustment in the large": looks along -z, its pose moves points of the world to it; the lens is
-/// f [px], k1, k2.
+/// Camera of "Bundle adjustment in the large". It looks along -z. Its pose maps points of the world to its frame. The
+/// lens is f [px], k1, k2.
 MTK_BUILD_MANIFOLD(BalCamera, ((SE3, pose))((Vec3, lens)))
 
 /// Two cameras that look along z.
@@ -39,7 +39,7 @@ struct BalReprojection {
   }
 };
 
-/// Predicts the pose of b seen from a; the residual is that [-] the measured one.
+/// Predicts the pose of b seen from a. The residual is the prediction [-] the measured pose.
 struct RelativePose {
   auto operator()(const auto& a, const auto& b) const { return a.inverse() * b; }
 };

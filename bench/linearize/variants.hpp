@@ -9,19 +9,19 @@
 
 namespace slom::bench {
 
-/// What an expert writes: closed formulas, one measurement after the other, no product with a known zero.
+/// Closed formulas as an expert writes them, one measurement after another, without products with known zeros.
 Variant byHand(const BalData& data);
 Variant byHand(const PoseGraphData& data);
 Variant byHand(const StereoData& data);
 
-/// ceres::AutoDiffCostFunction, evaluated without a ceres::Problem around it.
+/// ceres::AutoDiffCostFunction, evaluated without a ceres::Problem.
 Variant byCeres(const BalData& data);
 Variant byCeres(const PoseGraphData& data);
 Variant byCeres(const StereoData& data);
 
-/// slom::Linearizer on one thread, all it does included: once with the functions of measurements.hpp as they
-/// stand, (where the library has it) vectorised, and with functions of double alone, which it differentiates
-/// numerically.
+/// Variants of slom::Linearizer on one thread, including all its work. They use the functions of measurements.hpp as
+/// they are, the same functions vectorised (if the library supports it), and functions of double alone, which the
+/// library differentiates numerically.
 std::vector<Variant> bySlom(const BalData& data);
 std::vector<Variant> bySlom(const PoseGraphData& data);
 std::vector<Variant> bySlom(const StereoData& data);

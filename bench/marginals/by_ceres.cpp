@@ -1,4 +1,5 @@
-// Ceres gives covariances in the tangent spaces of its manifolds; they are turned to those of SLoM to be compared.
+// Ceres gives covariances in the tangent spaces of its manifolds. For the comparison, they are converted to those of
+// SLoM.
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -21,19 +22,21 @@ using io::Camera;
 using io::Pose2;
 using io::Pose3;
 
-/// J such that a step d of Ceres is the step J d of SLoM.
+/// Returns J such that a step d of Ceres is the step J d of SLoM.
 MatrixXd stepsOf(const Pose2&) { return Matrix3d::Identity(); }
 
-/// EigenQuaternionManifold's d turns by 2 d in the outer frame, SLoM's by d in the inner one.
+/// Returns J for poses in space. A step d of EigenQuaternionManifold turns by 2 d in the outer frame, a step of SLoM by
+/// d in the inner frame.
 MatrixXd stepsOf(const Pose3& pose) {
   MatrixXd J = MatrixXd::Identity(6, 6);
   J.bottomRightCorner<3, 3>() = 2 * Matrix3d(pose.orient.toRotationMatrix()).transpose();
   return J;
 }
 
-/// For angle-axis p, exp(p + d) = exp(p) exp(J d) to first order with the right Jacobian of SO(3),
-///   I - (1 - cos|p|) / |p|^2 [p]x + (|p| - sin|p|) / |p|^3 [p]x^2;
-/// and Ceres' camera has the rotation before the translation.
+/// Returns J for cameras. For angle-axis p, exp(p + d) = exp(p) exp(J d) to first order with the right Jacobian of
+/// SO(3),
+///   I - (1 - cos|p|) / |p|^2 [p]x + (|p| - sin|p|) / |p|^3 [p]x^2.
+/// Ceres' camera has the rotation before the translation.
 MatrixXd stepsOf(const Camera& camera) {
   const Eigen::AngleAxisd turn(Matrix3d(camera.pose.orient.toRotationMatrix()));
   const double angle = turn.angle();
@@ -59,7 +62,7 @@ ceres::Covariance::Options options() {
   return options;
 }
 
-/// `steps`: the step of each variable, empty for a fixed one.
+/// Computes marginals. `steps`: the J of each variable; empty for a fixed one.
 Marginals marginalsOf(CeresProblem& problem, const std::vector<MatrixXd>& steps) {
   std::vector<std::pair<const double*, const double*>> pairs;
   for (std::size_t i = 0; i < steps.size(); ++i) {

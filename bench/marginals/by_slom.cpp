@@ -13,7 +13,7 @@ namespace slom::bench {
 
 namespace {
 
-/// Each time with a new solver, which has to find its order again.
+/// Measures with a new solver each time, which must find its order again.
 template <class T>
 Marginals timedMarginals(Estimator& est, const std::vector<VarID<T>>& ids,
                          const std::vector<char>& is_fixed) {

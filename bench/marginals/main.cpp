@@ -1,9 +1,9 @@
-// How long do the marginal covariances of all poses, or cameras, take, by SLoM and by Ceres?
+// Time of the marginal covariances of all poses, or cameras, by SLoM and by Ceres.
 //
-//   bench_marginals [--time-limit SECONDS] PROBLEM...   problems as bench_fit takes them
+//   bench_marginals [--time-limit SECONDS] PROBLEM...   problems as for bench_fit
 //
-// Fits each problem, then lets both compute covariances at the same values, and prints a Markdown table. Ends with status 1
-// when they differ by more than 1e-6, relative to the standard deviations.
+// Fits each problem, then lets both compute covariances at the same values, and prints a Markdown table. If they differ
+// by more than 1e-6, relative to the standard deviations, the program ends with status 1.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,7 +28,7 @@ using Eigen::MatrixXd;
 
 constexpr double kTolerance = 1e-6;
 
-/// The time and all numbers, as bytes.
+/// Returns the time and all numbers as bytes.
 std::string packed(const Marginals& marginals) {
   std::string text(reinterpret_cast<const char*>(&marginals.seconds), sizeof(double));
   for (const MatrixXd& block : marginals.blocks) {
@@ -38,7 +38,7 @@ std::string packed(const Marginals& marginals) {
   return text;
 }
 
-/// `like` has the shapes.
+/// Restores marginals from bytes; `like` has the same shapes.
 Marginals unpacked(const std::string& text, const Marginals& like) {
   Marginals result = like;
   const char* next = text.data();
@@ -53,7 +53,7 @@ Marginals unpacked(const std::string& text, const Marginals& like) {
   return result;
 }
 
-/// The largest |a - b|_ij / (sigma_i sigma_j); NaN when a number is not finite.
+/// Returns the largest |a - b|_ij / (sigma_i sigma_j); NaN if a number is not finite.
 double difference(const Marginals& x, const Marginals& y) {
   double largest = 0;
   for (std::size_t k = 0; k < x.blocks.size(); ++k) {
@@ -83,7 +83,7 @@ void printRow(const Problem& problem, const Marginals& own, const std::optional<
   std::fflush(stdout);
 }
 
-/// False when the two differ.
+/// Compares the two. Returns false if they differ.
 bool compare(Problem& problem, [[maybe_unused]] double time_limit) {
   const Marginals own = std::visit([](auto& data) { return marginalsBySlom(data); }, problem.data);
   std::optional<Marginals> peer;

@@ -26,7 +26,7 @@ struct Residual {
   }
 };
 
-constexpr int kMostParameters = 9;  // largest number in any problem: derivatives in one pass
+constexpr int kMostParameters = 9;  // in any problem; derivatives take one pass
 
 ceres::Solver::Options optionsFor(CeresMethod method, double initial_radius) {
   ceres::Solver::Options options;
@@ -42,11 +42,11 @@ ceres::Solver::Options optionsFor(CeresMethod method, double initial_radius) {
   return options;
 }
 
-/// Empty where J has not full rank.
+/// Returns standard deviations; empty if J has no full rank.
 Eigen::VectorXd deviations(ceres::Problem& problem, const double* b, Eigen::Index n, double variance) {
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::DENSE_SVD;
-  options.min_reciprocal_condition_number = 0;  // that of columns in their own units is meaningless
+  options.min_reciprocal_condition_number = 0;  // columns have their own units, so the number is meaningless
   ceres::Covariance covariance(options);
   if (!covariance.Compute(std::vector<const double*>{b}, &problem)) return {};
   Eigen::MatrixXd C(n, n);
@@ -68,7 +68,7 @@ Fit fitByCeres(const Problem& problem, const Eigen::VectorXd& start, CeresMethod
     cost->SetNumResiduals(1);
     fitted.AddResidualBlock(cost, nullptr, fit.parameters.data());
   }
-  FLAGS_minloglevel = google::GLOG_ERROR;  // it warns of each step that it rejects
+  FLAGS_minloglevel = google::GLOG_ERROR;  // Ceres warns of each rejected step
   ceres::Solver::Summary summary;
   ceres::Solve(optionsFor(method, initial_radius), &fitted, &summary);
   fit.converged = summary.termination_type == ceres::CONVERGENCE;

@@ -1,8 +1,8 @@
-// How many certified digits do SLoM and Ceres find? NIST's problems of nonlinear regression, each from its two starts.
+// Certified digits found by SLoM and Ceres in NIST's problems of nonlinear regression, each from its two starts.
 //
-//   bench_nist DATA [--output FILE]   DATA: the folder with the .dat files; prints the page, and writes it to FILE
+//   bench_nist DATA [--output FILE]   DATA: folder of the .dat files; prints the page, and writes it to FILE
 //
-// A fit by SLoM's one setting for all that has fewer than 8 digits of a parameter ends the program with status 1.
+// If a fit by SLoM's one setting for all has fewer than 8 digits of a parameter, the program ends with status 1.
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -30,7 +30,7 @@ struct Method {
   std::function<Fit(const Problem&, const Eigen::VectorXd&)> fit;
 };
 
-/// A fit by SLoM, to the last digit.
+/// Returns the method of a fit by SLoM, to the last digit.
 template <class A>
 Method bySlom(std::string name, std::string what, const A& algorithm) {
   return {std::move(name), std::move(what),
@@ -52,7 +52,7 @@ Method byCeres(std::string name, std::string what, bench::CeresMethod method, do
 }
 #endif
 
-/// The first is the one that all problems must be solved by.
+/// Returns the methods. The first must solve all problems.
 std::vector<Method> methods() {
   std::vector<Method> all{
       bySlom("SLoM", "`LevenbergMarquardt(1e3)`: short first steps, because some starts are far off",
@@ -110,7 +110,7 @@ std::string text(const char* format, double a, double b, int n) {
   return buffer;
 }
 
-/// The number of fits whose `member` has at least `least` digits.
+/// Returns the number of fits whose `member` has at least `least` digits.
 int countFrom(const std::vector<Row>& rows, std::size_t method, double Score::*member, double least) {
   int count = 0;
   for (const Row& row : rows) count += row.scores[method].*member >= least;

@@ -1,4 +1,4 @@
-// Ceres for comparison: everything is fitted again from the last values, after each tenth pose.
+// Ceres for comparison: fits everything again from the last values, after every tenth pose.
 #include <Eigen/Geometry>
 #include <ceres/ceres.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kEachPose = 10;
 
-/// The pose that Ceres has in these blocks (see fit/graph_by_ceres.cpp).
+/// Reads the pose that Ceres has in these blocks (see fit/graph_by_ceres.cpp).
 void readPose(const std::vector<const double*>& blocks, io::Pose2& pose) {
   pose = io::Pose2({blocks[0][0], blocks[0][1]}, mtk::SO2<>(blocks[1][0]));
 }
@@ -21,7 +21,7 @@ void readPose(const std::vector<const double*>& blocks, io::Pose3& pose) {
   pose = io::Pose3(mtk::SO3<>(turn.normalized()), {p[0], p[1], p[2]});
 }
 
-/// The poses 0 to `last` at their present values, and the edges between them.
+/// Returns the poses 0 to `last` at their present values, and the edges between them.
 template <class Pose>
 io::PoseGraph<Pose> partOf(const io::PoseGraph<Pose>& graph, const Map<io::PoseGraph<Pose>>& map, int last) {
   io::PoseGraph<Pose> part;
@@ -43,7 +43,7 @@ Replay replayByCeres(const io::PoseGraph<Pose>& graph) {
   Estimator est;  // holds the values
   Map<io::PoseGraph<Pose>> map(est, graph);
   Replay replay{.method = "Ceres, each 10th pose"};
-  bool has_closed = false;  // since the last fit
+  bool has_closed = false;  // true: a loop closed since the last fit
   const int last = static_cast<int>(graph.poses.size()) - 1;
   map.add(0, map.startOf(0), true);
   for (int p = 1; p <= last; ++p) {

@@ -1,4 +1,4 @@
-// Maps fed pose by pose: update(), and one optimizeStep() of everything for comparison.
+// Maps fed pose by pose: update(), and for comparison one optimizeStep() of everything.
 #include "fit/stopwatch.hpp"
 #include "online/check.hpp"
 
@@ -6,7 +6,7 @@ namespace slom::bench {
 
 namespace {
 
-/// Adds the poses in their order, the first one fixed; calls fit() after each further one, and after(p) without taking its time.
+/// Adds the poses in their order, the first one fixed. Calls fit() after each further pose, and then after(p), untimed.
 template <class Graph, class Fit, class After>
 void feed(const Graph& graph, Map<Graph>& map, Replay& replay, const Fit& fit, const After& after) {
   map.add(0, map.startOf(0), true);
@@ -21,12 +21,12 @@ void feed(const Graph& graph, Map<Graph>& map, Replay& replay, const Fit& fit, c
   }
 }
 
-/// All marginals are asked for after each of so many last fits.
+/// Number of last fits after which all marginals are computed.
 constexpr int kWithMarginals = 100;
 
 double traceOf(const Marginals& marginals, const auto& id) { return marginals.covariance(id).trace(); }
 
-/// So that reading is not optimised away.
+/// A sum that prevents the compiler from removing the reads.
 volatile double read_sum = 0;
 
 template <class Map>

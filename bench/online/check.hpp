@@ -1,4 +1,4 @@
-/// A growing map beside its batch optimum.
+/// A growing map compared with its batch optimum.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace slom::bench {
 
-/// How the measurements of a graph are inserted.
+/// Model by which the measurements of a graph are inserted.
 template <class Graph>
 struct ModelOf {
   using type = initialize::RelationModel;
@@ -24,12 +24,12 @@ struct ModelOf<io::PoseGraph<Pose>> {
 template <class Graph>
 using Map = initialize::GrowingMap<Graph, typename ModelOf<Graph>::type>;
 
-/// Fits are compared with the batch optimum at each pose whose number is a multiple of this.
+/// Step of pose numbers at which fits are compared with the batch optimum.
 inline constexpr int kCompared = 100;
-/// Below it the RSS is rounding error, as before a loop closes.
+/// RSS below which it is rounding error, as before a loop closes.
 inline constexpr double kLeastRss = 1e-6;
 
-/// The map of the poses 0 to `last` beside the fit of the same problem from its values.
+/// Compares the map of the poses 0 to `last` with the fit of the same problem from its values.
 template <class Graph>
 Check compare(const Estimator& est, const Map<Graph>& map, int last) {
   Estimator batch;

@@ -1,13 +1,18 @@
-// What does a fit cost that follows its data?
+// Cost of a fit that follows its data.
 //
 //   bench_online [--json RESULT] FILE...      pose graphs of g2o or TORO, landmarks in the form of victoria_park.txt
 //
-// Inserts the poses of each file in their order, with the edges to earlier ones, on one thread. After each pose comes update(); in further
-// runs for comparison one optimizeStep() of the whole problem and, of pose graphs, after each tenth pose a fit by Ceres. Prints a line for each: wall-clock time in
-// all, median, 99th percentile and worst of the fits, the worst where a loop closed. Every hundredth pose is compared with the batch fit
-// from the same values: the largest RSS / batch RSS - 1 of update() must not be above twice the tolerance, or the program ends with
-// status 1. The file with the results has the rest: times of reading values, of covariances of the newest pose after each fit, of all
-// marginals after each of the last hundred fits and anew at each hundredth pose, and for small files the memory after one replay and after ten.
+// Inserts the poses of each file in their order, with the edges to earlier poses, on one thread. update() follows each
+// pose. Further runs for comparison call one optimizeStep() of the whole problem after each pose and, for pose graphs,
+// fit by Ceres after every tenth pose.
+//
+// Prints a line for each: total wall-clock time; median, 99th percentile and worst of the fits; and the worst fit at a
+// loop closure. Every hundredth pose is compared with the batch fit from the same values. If the largest RSS / batch
+// RSS - 1 of update() is above twice the tolerance, the program ends with status 1.
+//
+// The file with the results has the rest: times of reading values; of covariances of the newest pose after each fit; of
+// all marginals after each of the last 100 fits, and computed anew at each hundredth pose. For small files it has the
+// memory after one replay and after ten.
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -45,7 +50,7 @@ FileResult measure(const std::string& file, const Graph& graph) {
   return result;
 }
 
-/// Whether a file has odometry and landmarks as victoria_park.txt.
+/// Returns whether a file has odometry and landmarks in the form of victoria_park.txt.
 bool hasLandmarks(const std::string& file) {
   std::ifstream lines(file);
   std::string word;

@@ -1,4 +1,4 @@
-// Whether replays leave memory behind.
+// Memory left behind by replays.
 #include <fstream>
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-/// What bench_online prints and writes.
+/// Output of bench_online.
 #pragma once
 
 #include <iosfwd>
@@ -9,18 +9,18 @@
 
 namespace slom::bench {
 
-/// A file and all that was measured with it.
+/// A file and all its measured results.
 struct FileResult {
   std::string file;
   int poses = 0, edges = 0;
-  std::vector<Replay> replays;  ///< that by update() first
+  std::vector<Replay> replays;  ///< the replay by update() comes first
   Memory memory;                ///< all 0: not measured
 };
 
 void printHead();
-/// A line for each replay.
+/// Prints a line for each replay.
 void print(const FileResult& result);
-/// Times in seconds, distances in metres, memory in bytes.
+/// Writes times in seconds, distances in metres and memory in bytes.
 void writeJson(const std::vector<FileResult>& results, std::ostream& os);
 
 }  // namespace slom::bench

@@ -1,4 +1,4 @@
-/// A map that is fed pose by pose, and what it cost.
+/// A map fed pose by pose, and its cost.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace slom::bench {
 
-/// The state of a replay at one step, beside the batch optimum from the same values.
+/// The state of a replay at one step, compared with the batch optimum from the same values.
 struct Check {
   int pose = 0;
   double gap = 0;             ///< RSS / batch RSS - 1
@@ -20,18 +20,19 @@ struct Check {
 
 struct Replay {
   std::string method = {};
-  /// Of each fit, with the insertion before it; of a method that does not fit at each pose, of those where it does.
+  /// Time of each fit, including the insertion before it. If a method does not fit at every pose, time of the fits it
+  /// does.
   std::vector<double> seconds = {};
-  double at_closures = 0;                       ///< the longest of those where a loop closed [s]
+  double at_closures = 0;                       ///< the longest fit at a loop closure [s]
   double rss = 0;                               ///< at the end
   int by_optimize = 0;                          ///< calls that optimize() took over
   std::vector<double> covariance_seconds = {};  ///< of the newest pose, after each fit
   std::vector<double> marginals_seconds = {};   ///< of all variables, after each of the last fits
-  double read_newest = 0, read_all = 0;         ///< time of reading values, once after each fit, in all [s]
+  double read_newest = 0, read_all = 0;         ///< total time of reading values, once after each fit [s]
   std::vector<Check> checks = {};
 
   double total() const;
-  /// The time that this share of the fits does not exceed [s].
+  /// Returns the time that this fraction of the fits does not exceed [s].
   double quantile(double share) const;
   double largestGap() const;
   double largestPositionError() const;
@@ -40,19 +41,21 @@ struct Replay {
 /// Poses and landmarks in the plane.
 using LandmarkMap = testing::Map<testing::Pose2>;
 
-/// update() after each pose; reads values and covariances, too. Graph: io::PoseGraph<Pose> or LandmarkMap, here and below.
+/// Calls update() after each pose; also reads values and covariances. Graph, here and below: io::PoseGraph<Pose> or
+/// LandmarkMap.
 template <class Graph>
 Replay replayByUpdate(const Graph& graph);
-/// One optimizeStep() of everything after each pose.
+/// Calls one optimizeStep() of everything after each pose.
 template <class Graph>
 Replay replayBySteps(const Graph& graph);
 #ifdef SLOM_BENCH_CERES
-/// Ceres fits everything from the last values after each tenth pose. Building its problem does not count.
+/// Fits everything by Ceres from the last values after every tenth pose. Building its problem does not count.
 template <class Pose>
 Replay replayByCeres(const io::PoseGraph<Pose>& graph);
 #endif
 
-/// Resident memory after one replay by update() and after so many, each in a new estimator, all in this process [bytes].
+/// Resident memory after one replay by update() and after several, each in a new estimator, all in this process
+/// [bytes].
 struct Memory {
   double after_one = 0, after_all = 0;
   int replays = 10;

@@ -1,4 +1,4 @@
-"""What the tables and the goals ask of a comparison, a problem that all programs fitted (see bench/fit/json.cpp)."""
+"""Figures for the tables and the goals from a comparison: a problem fitted by all programs (see bench/fit/json.cpp)."""
 import math
 
 SAME_MINIMUM = 1e-6  # relative difference of final costs up to which two fits ended in the same minimum
@@ -6,7 +6,7 @@ EQUAL = 1e-8         # up to which their costs are equal there
 
 
 def program(comparison, name):
-    """The result whose program's name ends in `name`; None if there is none."""
+    """Returns the result whose program's name ends in `name`; None if there is none."""
     for result in comparison["programs"]:
         if result["program"].endswith(name) and "failure" not in result:
             return result
@@ -22,13 +22,13 @@ def peers(comparison):
 
 
 def fastest_peer(comparison, key):
-    """The peer with the smallest number there; None if none has one."""
+    """Returns the peer with the smallest number there; None if no peer has one."""
     known = [r for r in peers(comparison) if r[key] is not None]
     return min(known, key=lambda r: r[key]) if known else None
 
 
 def ratio(comparison, key):
-    """The fastest peer's number as a multiple of SLoM's; None where one of them has none."""
+    """Returns the fastest peer's number as a multiple of SLoM's; None if one of the two has no number."""
     own, peer = slom(comparison), fastest_peer(comparison, key)
     if own is None or peer is None or not own[key]:
         return None
@@ -40,19 +40,19 @@ def best_rss(comparison):
 
 
 def deviation(comparison, result):
-    """Of the final cost from the best one, relative."""
+    """Returns the relative difference between the final cost and the best one."""
     return result["final_rss"] / best_rss(comparison) - 1
 
 
 def same_minimum(comparison):
-    """Whether SLoM and at least one peer ended in the best minimum found."""
+    """Returns whether SLoM and at least one peer ended in the best minimum found."""
     own = slom(comparison)
     return (own is not None and deviation(comparison, own) < SAME_MINIMUM
             and any(deviation(comparison, r) < SAME_MINIMUM for r in peers(comparison)))
 
 
 def per_iteration(result, phase):
-    """Seconds of a phase in an average iteration; `rest` is what no phase accounts for."""
+    """Returns the seconds of a phase in an average iteration; `rest` is the time outside of all phases."""
     iterations = max(1, result["iterations"])
     if phase != "rest":
         return result[phase] / iterations
@@ -65,7 +65,7 @@ def factorization_seconds(result):
 
 
 def factor_rate(comparison):
-    """Operations of SLoM's own fronts per second [flop/s]; None for bundles."""
+    """Returns the operations of SLoM's own fronts per second [flop/s]; None for bundles."""
     if comparison["slom_factor"] is None or slom(comparison) is None:
         return None
     return comparison["slom_factor"]["flops"] / factorization_seconds(slom(comparison))

@@ -1,4 +1,4 @@
-"""The goals, and what of them is reached."""
+"""The goals, and how far they are reached."""
 from . import facts
 from .tables import digits, ms, table, times
 
@@ -6,7 +6,7 @@ FACTOR_RATE_PROBLEMS = ("sphere2500", "torus3D")
 
 
 class Goal:
-    """`values`: (problem, number or None) pairs; each should be at least `wanted`."""
+    """A goal. `values`: (problem, number or None) pairs; each number should be at least `wanted`."""
 
     def __init__(self, text, values, wanted, show=times):
         self.text, self.wanted, self.show = text, wanted, show
@@ -69,7 +69,7 @@ def goals_table(goals):
 
 
 def shortfalls(goals, results):
-    """For each goal that is not reached: where, by how much, and where the time of these iterations goes."""
+    """Returns, for each goal not reached, the problems, the gaps and the phases of these iterations."""
     comparisons = {c["problem"]: c for c in facts.select(results)}
     lines = []
     for goal in goals:

@@ -1,4 +1,4 @@
-"""How cost grows with size: a table and a picture of generated problems."""
+"""Growth of cost with size: a table and a picture of generated problems."""
 import math
 
 from . import facts
@@ -19,7 +19,7 @@ def family(comparison):
 
 
 def exponent(points):
-    """Slope of the last two points in double logarithmic axes."""
+    """Returns the slope of the last two points in double logarithmic axes."""
     (x0, y0), (x1, y1) = points[-2:]
     return math.log(y1 / y0) / math.log(x1 / x0)
 
@@ -44,7 +44,7 @@ def growth_table(comparisons):
 
 
 def curves(comparisons):
-    """{family: {program: [(size, seconds per iteration)]}}"""
+    """Returns {family: {program: [(size, seconds per iteration)]}}."""
     result = {}
     for c in comparisons:
         for r in c["programs"]:
@@ -81,7 +81,7 @@ def panel(title, lines, programs, x, y):
 
 
 def growth_svg(comparisons):
-    """A panel for each family: seconds per iteration against size, both logarithmic."""
+    """Draws a panel for each family: seconds per iteration against size, both logarithmic."""
     families = curves(comparisons)
     programs = list(dict.fromkeys(name for lines in families.values() for name in lines))
     rows = (len(families) + 1) // 2

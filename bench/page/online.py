@@ -1,4 +1,4 @@
-"""The section on fits that follow their data, from what bench_online wrote."""
+"""The section on fits that follow their data, from the output of bench_online."""
 from .tables import digits, ms, table
 
 TEXT = """Poses are inserted in their order, with the edges to earlier poses and the landmarks they see. One fit follows each pose. Times are for one thread and include the insertion.
@@ -11,12 +11,12 @@ TEXT = """Poses are inserted in their order, with the edges to earlier poses and
 
 
 def replay(file, method):
-    """The replay whose method begins so; None if there is none."""
+    """Returns the replay whose method begins with this text; None if there is none."""
     return next((r for r in file["replays"] if r["method"].startswith(method)), None)
 
 
 def size(value, unit):
-    """Two digits with an exponent."""
+    """Writes a number with two digits and an exponent."""
     return "–" if value is None else f"{value:.1e}{unit}"
 
 
@@ -57,7 +57,7 @@ def costs_table(files):
 
 
 def section(online):
-    """Markdown, without the heading."""
+    """Returns the section as Markdown, without the heading."""
     files = online["files"]
     load = online.get("load")
     alone = [f"This was measured in a run of its own. The load of the machine was {load['before']:.2f} at its start and {load['after']:.2f} at its end."] if load else []

@@ -52,7 +52,7 @@ def machine_text(results):
 
 
 def write_page(results, picture):
-    """The page's text; `picture`: name of the SVG next to it."""
+    """Returns the page's text. `picture`: name of the SVG next to it."""
     graphs, bundles = facts.select(results, graphs=True), facts.select(results, graphs=False)
     one = graphs + bundles
     two = facts.select(results, threads=2)

@@ -3,7 +3,7 @@ from . import facts
 
 
 def table(header, rows):
-    """Markdown; columns whose header begins with `>` are numbers."""
+    """Returns a Markdown table. Columns whose header begins with `>` are numbers."""
     names = [h.lstrip(">") for h in header]
     lines = ["| " + " | ".join(names) + " |", "|" + "|".join("---:" if h.startswith(">") else "---" for h in header) + "|"]
     lines += ["| " + " | ".join(row) + " |" for row in rows]
@@ -11,7 +11,7 @@ def table(header, rows):
 
 
 def digits(value, count=3):
-    """`count` significant digits, never in exponents; a dash for what is not known."""
+    """Writes a number with `count` significant digits, without exponent; a dash if it is unknown."""
     if value is None:
         return "–"
     text = f"{float(f'{value:.{count}g}'):f}"
@@ -31,7 +31,7 @@ def rss(value):
 
 
 def per_program(comparisons):
-    """Times, iterations, memory and cost of every program on every problem."""
+    """Returns times, iterations, memory and cost of every program on every problem."""
     rows = []
     for c in comparisons:
         for r in c["programs"]:
@@ -47,7 +47,7 @@ def per_program(comparisons):
 
 
 def ratios(comparisons):
-    """The fastest peer as a multiple of SLoM."""
+    """Returns the times of the fastest peer as multiples of SLoM's."""
     rows = []
     for c in comparisons:
         own, cholmod = facts.slom(c), c["cholmod_factor"]
@@ -61,7 +61,7 @@ def ratios(comparisons):
 
 
 def factorizations(comparisons, machine):
-    """SLoM's and CHOLMOD's factorisation alone."""
+    """Returns SLoM's and CHOLMOD's factorisation alone."""
     rows = []
     for c in comparisons:
         own, cholmod, result = c["slom_factor"], c["cholmod_factor"], facts.slom(c)
@@ -78,7 +78,7 @@ def factorizations(comparisons, machine):
 
 
 def phases(comparisons):
-    """Where the time of an average iteration goes."""
+    """Returns the phases of an average iteration and their times."""
     rows = []
     for c in comparisons:
         own, peer = facts.slom(c), facts.fastest_peer(c, "iteration")
@@ -95,7 +95,7 @@ def phases(comparisons):
 
 
 def costs(comparisons):
-    """Final costs, of those that do not agree to EQUAL."""
+    """Returns final costs of the programs that do not agree to EQUAL."""
     rows = []
     for c in comparisons:
         for r in c["programs"]:
@@ -108,7 +108,7 @@ def costs(comparisons):
 
 
 def threads(one, two):
-    """Times to 1e-6 on one thread and on two."""
+    """Returns the times to 1e-6 on one thread and on two."""
     rows = []
     for c in one:
         other = next((d for d in two if d["problem"] == c["problem"]), None)

@@ -1,4 +1,4 @@
-/// What a measured time depends on besides the code: compiler, flags, instructions, processor.
+/// Conditions of a measured time besides the code: compiler, flags, instructions, processor.
 #pragma once
 
 #include <string>
@@ -6,14 +6,14 @@
 namespace slom::bench {
 
 std::string compilerName();
-/// As CMake passes them.
+/// Returns the flags as CMake passes them.
 std::string compileFlags();
-/// The vector instructions that this build uses, as in `AVX2 FMA`.
+/// Returns the vector instructions of this build, such as `AVX2 FMA`.
 std::string instructionSet();
-/// The processor's name, empty where /proc/cpuinfo does not state it.
+/// Returns the processor's name; empty if /proc/cpuinfo does not state it.
 std::string processorName();
-/// The library that provides BLAS to CHOLMOD, as in `libf77blas.so.3` (ATLAS) or `openblas-serial/libblas.so.3`; empty without
-/// one.
+/// Returns the library that provides BLAS to CHOLMOD, such as `libf77blas.so.3` (ATLAS) or
+/// `openblas-serial/libblas.so.3`; empty if there is none.
 std::string blasLibrary();
 
 }  // namespace slom::bench

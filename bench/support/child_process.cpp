@@ -45,7 +45,7 @@ void writeAll(int file, const std::string& text) {
   _exit(status);
 }
 
-/// All that comes until the other end is closed; false when that took too long.
+/// Reads until the other end is closed. Returns false if that takes too long.
 bool readAll(int file, double seconds, std::string& text) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);

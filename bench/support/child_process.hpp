@@ -1,4 +1,4 @@
-/// Work in a process of its own, so that its peak memory can be measured and a time limit kept.
+/// Work in a separate process, to measure its peak memory and to enforce a time limit.
 #pragma once
 
 #include <functional>
@@ -13,11 +13,11 @@ struct ChildLimits {
 
 struct ChildOutcome {
   bool ok = false;
-  std::string text;       ///< what the work returned; otherwise why there is nothing
-  double peak_bytes = 0;  ///< peak resident memory, including what was shared with this process
+  std::string text;       ///< result of the work, or the reason why there is none
+  double peak_bytes = 0;  ///< peak resident memory, including memory shared with this process
 };
 
-/// Runs `work` in a copy of this process, which must have no other thread, and waits for its end.
+/// Runs `work` in a copy of this process, which must have no other thread. Waits for its end.
 ChildOutcome runInChild(const std::function<std::string()>& work, const ChildLimits& limits);
 
 }  // namespace slom::bench

@@ -1,4 +1,4 @@
-/// The residual of a BAL observation as Ceres' users write it (examples/snavely_reprojection_error).
+/// The residual of a BAL observation as users of Ceres write it (examples/snavely_reprojection_error).
 #pragma once
 
 #include <ceres/rotation.h>

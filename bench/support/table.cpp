@@ -10,7 +10,7 @@ namespace slom::bench {
 
 namespace {
 
-/// Median time of the row relative to `variant` of the same measurement; 0 when there is none.
+/// Returns the median time of the row relative to `variant` of the same measurement; 0 if there is none.
 double ratioTo(const std::string& variant, const Row& row, const Table& table) {
   for (const Row& other : table.rows) {
     if (other.measurement == row.measurement && other.variant == variant) {

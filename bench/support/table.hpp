@@ -21,7 +21,7 @@ struct Table {
   std::vector<Row> rows;
 };
 
-/// One line for each row; a ratio to a variant that is not there is `-`.
+/// Writes a line for each row. A ratio to a missing variant is `-`.
 void writeMarkdown(std::ostream& out, const Table& table);
 void writeJson(std::ostream& out, const Table& table);
 

@@ -9,7 +9,7 @@ namespace slom::bench {
 
 namespace {
 
-/// Deviation of x, whose entry k belongs to class k / run modulo `classes`.
+/// Returns the deviation of x. Entry k of x belongs to class k / run modulo `classes`.
 double deviationOf(const std::vector<double>& x, const std::vector<double>& reference, int run, int classes) {
   const auto classOf = [&](std::size_t k) { return k / Derivatives::size(run) % Derivatives::size(classes); };
   std::vector<double> scale(Derivatives::size(classes), 0.0);
@@ -32,7 +32,7 @@ double nanosecondsOf(const std::function<void()>& pass, int passes) {
   return std::chrono::duration<double, std::nano>(Clock::now() - start).count() / passes;
 }
 
-/// The value below which the fraction p of them lies.
+/// Returns the value below which the fraction p of the values lies.
 double quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double at = p * static_cast<double>(values.size() - 1);

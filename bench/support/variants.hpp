@@ -1,4 +1,4 @@
-/// Programs that compute the same thing: checked against each other, then timed in turn.
+/// Programs that compute the same results: checked against each other, then timed in turn.
 #pragma once
 
 #include <functional>
@@ -7,7 +7,7 @@
 
 namespace slom::bench {
 
-/// Residuals and Jacobians of measurements of one kind, one after the other.
+/// Residuals and Jacobians of measurements of one kind, one after another.
 struct Derivatives {
   Derivatives(int rows, int cols, int count)
       : rows(rows), cols(cols), count(count), r(size(rows * count)), J(size(rows * cols * count)) {}
@@ -21,19 +21,19 @@ struct Derivatives {
   std::vector<double> J;  ///< each rows x cols, column-major, in the tangent space of SLoM
 };
 
-/// One way to compute them.
+/// One way to compute the derivatives.
 struct Variant {
   std::string name;
   double tolerance = 0;                      ///< largest deviation from the reference, see `deviation`
-  std::function<void()> pass;                ///< computes all of them, keeps none; this is timed
-  std::function<Derivatives()> derivatives;  ///< what it computes
+  std::function<void()> pass;                ///< computes all results, keeps none; this is timed
+  std::function<Derivatives()> derivatives;  ///< results of the computation
 };
 
-/// Makes the compiler believe that everything in memory is read and written here.
+/// Makes the compiler assume that all memory is read and written here.
 inline void keepMemory(const void* data) { asm volatile("" : : "g"(data) : "memory"); }
 
-/// A variant whose `kernel(i, r, J)` computes measurement i. As in SLoM, the results of 64 measurements lie
-/// together.
+/// Returns a variant whose `kernel(i, r, J)` computes measurement i. As in SLoM, the results of 64 measurements are
+/// contiguous.
 template <int Rows, int Cols, class Kernel>
 Variant kernelVariant(std::string name, int count, Kernel kernel) {
   constexpr int batch = 64;
@@ -55,9 +55,8 @@ Variant kernelVariant(std::string name, int count, Kernel kernel) {
   return {std::move(name), 1e-9, pass, derivatives};
 }
 
-/// Largest difference of a residual or of an entry of a Jacobian, relative to the largest value that any
-/// measurement has there (in this row of the residual, in this column of the Jacobian). NaN when a value is
-/// not finite.
+/// Returns the largest difference of a residual or of an entry of a Jacobian. It is relative to the largest value of
+/// any measurement there (in this row of the residual, in this column of the Jacobian). NaN if a value is not finite.
 double deviation(const Derivatives& x, const Derivatives& reference);
 
 /// Quartiles of the time of one pass, divided by the number of measurements.
@@ -65,8 +64,8 @@ struct Timing {
   double lower_ns = 0, median_ns = 0, upper_ns = 0;
 };
 
-/// Times each variant `repetitions` times, in turn (A B C A B C ...). Each time is taken over as many passes
-/// as fill half a millisecond, after one that is not timed.
+/// Times each variant `repetitions` times, in turn (A B C A B C ...). Each time is the mean over as many passes as fill
+/// half a millisecond, after one pass that is not timed.
 std::vector<Timing> timeInTurn(const std::vector<Variant>& variants, int count, int repetitions);
 
 }  // namespace slom::bench

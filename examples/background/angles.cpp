@@ -1,4 +1,4 @@
-// Why angles and directions need [+] and [-]: means.
+// Means of angles and directions, which show why such values need [+] and [-].
 #include <cmath>
 #include <vector>
 
@@ -94,7 +94,7 @@ void drawCircle(Plot& plot) {
   plot.text(place(arithmeticMean(), 1.1), "mean of the numbers", kRed, 40, 20, "middle");
 }
 
-/// Seen from far away along `view`: the visible half of the sphere.
+/// Draws the directions as seen from far away along `view`: the visible half of the sphere.
 void drawSphere(Plot& plot) {
   plot.diagram({380, 40, 340, 340, -1.5, 1.5, -1.5, 1.5}, "directions, their mean and its tangent plane");
   const std::vector<mtk::S2<>> samples = directions();
@@ -102,7 +102,7 @@ void drawSphere(Plot& plot) {
   const Vec3 view = Vec3(-0.3, -1, 0.75).normalized(), right = Vec3(0, 0, 1).cross(view).normalized(),
              up = view.cross(right);
   const auto seen = [&](const Vec3& p) { return Vec2(right.dot(p), up.dot(p)); };
-  const auto visible = [&](const auto& point_at) {  // pieces of a circle in front
+  const auto visible = [&](const auto& point_at) {  // pieces of the circle on the visible side
     Points piece;
     for (int i = 0; i <= 120; ++i) {
       const Vec3 p = point_at(i * 2 * 3.14159265358979 / 120);
@@ -123,7 +123,7 @@ void drawSphere(Plot& plot) {
         [&](double t) { return Vec3(std::cos(t) * std::cos(a), std::cos(t) * std::sin(a), std::sin(t)); });
     visible([&](double t) { return Vec3(r * std::cos(t), r * std::sin(t), z); });
   }
-  const auto axis = [&](const Vec2& d) {  // of the tangent plane: where a small step leads
+  const auto axis = [&](const Vec2& d) {  // axis of the tangent plane: the point that a small step reaches
     return Vec3((mtk::moved(mean, Vec2(1e-6 * d)).vector() - mean.vector()) / 1e-6);
   };
   const Vec3 e1 = 0.9 * axis(Vec2(1, 0)), e2 = 0.9 * axis(Vec2(0, 1)), m = mean.vector();

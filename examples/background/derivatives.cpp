@@ -11,7 +11,7 @@
 
 namespace {
 
-/// f(x) = exp(x) sin(3 x) / x, for any kind of number.
+/// Returns f(x) = exp(x) sin(3 x) / x, for any kind of number.
 template <class S>
 S f(const S& x) {
   using std::exp;
@@ -19,12 +19,12 @@ S f(const S& x) {
   return exp(x) * sin(3.0 * x) / x;
 }
 
-/// The derivative by hand.
+/// Returns the derivative, computed by hand.
 double slope(double x) {
   return std::exp(x) * ((std::sin(3 * x) + 3 * std::cos(3 * x)) / x - std::sin(3 * x) / (x * x));
 }
 
-volatile double start_at = 1.3;  // not a constant: compilers round those in their own way
+volatile double start_at = 1.3;  // volatile, because compilers round constants in different ways
 const double kX = start_at;
 
 /// A value and its derivative: (a, a') (b, b') = (a b, a' b + a b').
@@ -39,7 +39,7 @@ double forward(double h) { return (f(kX + h) - f(kX)) / h; }
 double central(double h) { return (f(kX + h) - f(kX - h)) / (2 * h); }
 double relativeError(double derivative) { return std::abs(derivative / slope(kX) - 1); }
 
-/// The power of ten of the error, the largest of some steps nearby, as rounding errors scatter.
+/// Returns the power of ten of the error. Rounding errors scatter, so it takes the largest of some nearby steps.
 double power(double (*derivative)(double), double exponent) {
   double worst = 1e-17;
   for (int i = 0; i < 15; ++i)

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kSigma = 0.3;  // [mm]
 
-/// Length of a spring under load: 20 mm + 0.5 mm/N.
+/// Returns lengths of a spring under load: 20 mm + 0.5 mm/N.
 Points springData() {
   mtk::testing::Random noise(7);
   Points points;

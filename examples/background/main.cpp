@@ -1,7 +1,7 @@
 // The numbers and pictures of docs/background, least squares and manifolds in ten pages.
 //
-//   example_background                  what the pages print, one after the other
-//   example_background --picture=NAME   the picture of one page, as SVG
+//   example_background                  prints the numbers of all pages, one after another
+//   example_background --picture=NAME   prints the picture of one page as SVG
 #include <cstring>
 #include <iostream>
 

@@ -1,4 +1,4 @@
-// What a measurement says: one length, measured three times with different accuracy.
+// Information in a measurement: one length, measured 3 times with different accuracy.
 #include <cmath>
 #include <vector>
 

@@ -1,4 +1,4 @@
-// A model that is not linear: Gauss-Newton, Levenberg-Marquardt, and a start that is too far off.
+// A nonlinear model: Gauss-Newton, Levenberg-Marquardt, and a start that is too far away.
 #include <cmath>
 #include <vector>
 
@@ -30,7 +30,7 @@ struct DecayFit {
   Vec2 at() const { return {*voltage, *rate}; }
 };
 
-/// The values after each step of the algorithm, from the start on.
+/// Returns the values after each step of the algorithm, beginning with the start.
 Points steps(const Vec2& start, const slom::Algorithm& algorithm, int count) {
   DecayFit fit(start);
   fit.est.changeAlgorithm(algorithm.clone().release());
@@ -48,7 +48,7 @@ double rss(const Vec2& x) {
   return sum;
 }
 
-/// Pieces of the line on which the RSS has this value, one for each cell of a grid that it passes.
+/// Returns pieces of the line on which the RSS has this value, one for each grid cell that the line crosses.
 Points contour(double level) {
   constexpr int columns = 80, rows = 60;
   const Vec2 origin(0, -0.5), size(8.0 / columns, 3.0 / rows);

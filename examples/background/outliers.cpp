@@ -1,4 +1,4 @@
-// Data that are wrong: a line, and what losses make of them.
+// Outliers: a line fitted with and without losses.
 #include <cmath>
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPointSigma = 0.2;
 
-/// y = 1 + 0.5 x, 20 points; four of them are wrong, all upwards.
+/// Returns 20 points of y = 1 + 0.5 x. Four of them are wrong, all upwards.
 Points data() {
   mtk::testing::Random noise(9);
   Points points;

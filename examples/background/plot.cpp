@@ -8,7 +8,7 @@
 
 namespace {
 
-/// A number for SVG [px]: shapes that leave the frame by far stay near it.
+/// Formats a number for SVG [px]. Shapes that leave the frame by far stay near it.
 double px(double x) { return std::isfinite(x) ? std::min(std::max(x, -4000.0), 4000.0) + 0.0 : 4000; }
 
 std::string number(double x) { return format("%g", std::abs(x) < 1e-12 ? 0.0 : x); }

@@ -1,4 +1,4 @@
-// Why the matrix is sparse, and what an order of elimination does.
+// Sparsity of the matrix, and the effect of the order of elimination.
 #include <algorithm>
 #include <set>
 #include <vector>
@@ -15,7 +15,8 @@ namespace {
 using Pose = mtk::trafo<mtk::SO2<>>;
 using Pair = std::pair<int, int>;
 
-/// A robot that drives round after round: 36 poses, each linked with the next one and with those of the other rounds at the same place.
+/// A robot that drives 3 rounds: 36 poses. Each is linked with the next pose and with those of other rounds at the same
+/// place.
 constexpr int kPoses = 36, kRound = 12;
 
 std::vector<Pair> links() {
@@ -25,7 +26,7 @@ std::vector<Pair> links() {
   return result;
 }
 
-/// The neighbours of each variable: where H has a block besides the diagonal.
+/// Returns the neighbours of each variable: the blocks of H beside the diagonal.
 std::vector<std::set<int>> neighbours(const std::vector<int>& place) {
   std::vector<std::set<int>> result(kPoses);
   for (const auto& [a, b] : links()) {
@@ -36,7 +37,7 @@ std::vector<std::set<int>> neighbours(const std::vector<int>& place) {
   return result;
 }
 
-/// The places of blocks in the factor: to eliminate a variable links its remaining neighbours with each other.
+/// Returns the blocks of the factor. Eliminating a variable links its remaining neighbours with each other.
 std::vector<Pair> factor(const std::vector<int>& place) {
   auto graph = neighbours(place);
   std::vector<Pair> blocks;
@@ -51,7 +52,7 @@ std::vector<Pair> factor(const std::vector<int>& place) {
   return blocks;
 }
 
-/// Minimum degree: next comes the variable that has the fewest neighbours by then.
+/// Returns an order by minimum degree: next comes the variable with the fewest neighbours at that time.
 std::vector<int> minimumDegree() {
   std::vector<int> natural(kPoses), place(kPoses, -1);
   for (int i = 0; i < kPoses; ++i) natural[std::size_t(i)] = i;

@@ -11,13 +11,13 @@
 
 namespace {
 
-using Pose = mtk::trafo<mtk::SO2<>>;  // moves points of the robot's frame to the world's
+using Pose = mtk::trafo<mtk::SO2<>>;  // maps points from the robot's frame to the world
 using Vec3 = Eigen::Vector3d;
 
 constexpr int kSteps = 10;
 const Vec3 kStepSigma(0.02, 0.02, 0.08);  // of each step of 1 m: along, across [m], heading [rad]
 
-/// A drive along x: every step is measured, no landmark is seen.
+/// A drive along x. Every step is measured; no landmark is seen.
 struct Drive {
   slom::Estimator est;
   std::vector<slom::VarID<Pose>> poses;
@@ -33,7 +33,7 @@ struct Drive {
   }
 };
 
-/// Where drives with such errors end.
+/// Returns the ends of simulated drives with such errors.
 std::vector<Pose> ends(int count) {
   mtk::testing::Random noise(11);
   std::vector<Pose> result;

@@ -3,7 +3,7 @@
 #include <string>
 #include <type_traits>
 
-/// What printf prints.
+/// Returns what printf would print.
 template <class... Values>
 std::string format(const char* format, const Values&... values) {
   static_assert(((std::is_arithmetic_v<Values> || std::is_convertible_v<Values, const char*>)&&...));

@@ -1,4 +1,4 @@
-// What a covariance says, and what it takes for granted: independent errors.
+// Covariances, and their assumption of independent errors.
 #include <cmath>
 #include <vector>
 
@@ -18,7 +18,7 @@ constexpr double kReadingSigma = 0.3, kDaySigma = 0.3;  // of each reading, and 
 constexpr int kDays = 12, kPerDay = 8;
 const Vec2 kTruth(20, 0.5);
 
-/// A spring of 20 mm and 0.5 mm/N, read eight times on each of twelve days, at random loads up to 12 N.
+/// A spring of 20 mm and 0.5 mm/N, measured 8 times on each of 12 days, at random loads up to 12 N.
 struct Simulation {
   slom::Estimator est;
   slom::VarID<double> rest = est.insertRV(0.0, "rest"), rate = est.insertRV(0.0, "rate");
@@ -39,7 +39,7 @@ struct Simulation {
   Vec2 at() const { return {*rest, *rate}; }
 };
 
-/// How many of `count` simulations have the true rest length within the interval of 95 %.
+/// Number of `count` simulations whose interval of 95 % contains the true rest length.
 struct Coverage {
   int stated = 0, clustered = 0;
   Coverage(double day_sigma, int count) {

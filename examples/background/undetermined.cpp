@@ -1,4 +1,4 @@
-// What the measurements do not determine: a gauge, and directions that are nearly free.
+// Unknowns that the measurements do not determine: a gauge, and directions that are nearly free.
 #include <cmath>
 #include <vector>
 
@@ -30,7 +30,7 @@ struct Posts {
   }
 };
 
-/// A boat, its distances from two lighthouses that lie `spacing` apart, 10 km away.
+/// A boat with its distances from two lighthouses that are `spacing` apart, 10 km away.
 struct Boat {
   slom::Estimator est;
   slom::VarID<Vec2> boat = est.insertRV(Vec2(0, 0), "boat");

@@ -1,7 +1,7 @@
-// Where is the tag? Six anchors at known places measure their distances to it; one of the distances is wrong.
+// Locates a tag. Six anchors at known places measure their distances to the tag; one of the distances is wrong.
 //
-//   example_first_fit             what the page docs/start/first_fit.md shows
-//   example_first_fit --picture   its picture, as SVG
+//   example_first_fit             prints the results of the page docs/start/first_fit.md
+//   example_first_fit --picture   prints the picture of that page as SVG
 #include <iostream>
 
 #include "picture.hpp"

@@ -8,7 +8,7 @@
 namespace {
 
 constexpr double kScale = 60;             // [px/m]
-constexpr double kLeft = -2.2, kTop = 8;  // of the picture, in the plane of the anchors [m]
+constexpr double kLeft = -2.2, kTop = 8;  // top left corner of the picture, in the plane of the anchors [m]
 
 double right(const Eigen::Vector2d& p) { return kScale * (p.x() - kLeft); }
 double down(const Eigen::Vector2d& p) { return kScale * (kTop - p.y()); }

@@ -1,13 +1,13 @@
-// The head of a humanoid robot, calibrated as a whole: two cameras, the IMU between them, how the cameras sit on the head, and
-// where the markers on the hands are. Images of a level checkerboard, gravity, and markers that the cameras see while the
-// arms' kinematics says where the hands are, all in one fit.
+// Calibrates the head of a humanoid robot as a whole: two cameras, the IMU between them, the mounting of the cameras on
+// the head, and the places of the markers on the hands. One fit combines images of a level checkerboard, gravity, and
+// images of the markers. The arms' kinematics gives the poses of the hands.
 //
 //     example_humanoid_head FOLDER
 //
-// FOLDER has the files left_corners.csv, right_corners.csv, imu.csv, left_hand.csv, right_hand.csv and initial_guess.csv of the
-// robot Justin (OpenSLAM's repository openslam_MTK; R. Wagner, O. Birbach, U. Frese, "Rapid development of manifold-based graph
-// optimization systems for multi-sensor calibration and SLAM", IROS 2011).
-//   frames   a2b maps points of a to b; world: the board's, z up; left, right: cameras, z forward; head; hand
+// FOLDER contains the files left_corners.csv, right_corners.csv, imu.csv, left_hand.csv, right_hand.csv and
+// initial_guess.csv of the robot Justin (OpenSLAM's repository openslam_MTK; R. Wagner, O. Birbach, U. Frese, "Rapid
+// development of manifold-based graph optimization systems for multi-sensor calibration and SLAM", IROS 2011).
+//   frames   a2b maps points of a to b. world: frame of the board, z up; left, right: cameras, z forward; head; hand
 //   units    m, px, m/s^2
 #include <algorithm>
 #include <fstream>
@@ -26,7 +26,7 @@ using SE3 = mtk::trafo<SO3>;
 using vec2 = mtk::vect<2>;
 using vec3 = mtk::vect<3>;
 
-/// f, cx, cy, k: square pixels, and a radial factor 1 / (1 + k r^2).
+/// A camera with f, cx, cy, k: square pixels, and a radial factor 1 / (1 + k r^2).
 template <class S = double>
 struct Camera : mtk::vect<4, S> {
   static constexpr std::array<std::string_view, 4> component_names{"f", "cx", "cy", "k"};
@@ -38,7 +38,7 @@ struct Camera : mtk::vect<4, S> {
   }
 };
 
-// The measurement functions: what each sensor should say.
+// The measurement functions return what each sensor should measure.
 constexpr auto corner_in_left = [](const auto& camera, const auto& left2world, const vec3& corner) {
   return camera.project(left2world.inverse() * corner);
 };
@@ -56,7 +56,7 @@ constexpr auto marker_in_right = [](const auto& camera, const auto& left2right, 
   return camera.project(left2right * (left2head.inverse() * (hand2head * marker)));
 };
 
-/// The rows of a CSV file below its header, commas made blanks.
+/// Returns the rows of a CSV file below its header, with commas replaced by blanks.
 std::vector<std::istringstream> rowsOf(const std::string& file) {
   std::ifstream stream(file);
   if (!stream) throw std::runtime_error(file + " cannot be read");
@@ -145,7 +145,7 @@ int main(int argc, char** argv) try {
   for (const slom::GroupSummary& group : summary.groups) {
     std::cout << "  " << group.name << ": RMS " << std::sqrt(group.final_rss / group.residuals) << " standard deviations\n";
   }
-  std::cout << est.varianceComponents().report();  // how large their errors are, over what is stated
+  std::cout << est.varianceComponents().report();  // size of their errors, relative to the stated size
   std::cout.precision(4);
   const slom::Marginals marginals = est.marginals();
   const auto show = [&](const auto& id) {

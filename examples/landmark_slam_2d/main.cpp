@@ -1,5 +1,5 @@
-// Landmark SLAM in the plane: a robot drives twice round a square, measures its own motion and, from each pose, the
-// landmarks near it. Listings 5 and 6 of the paper, made a program. Units: metre, radian.
+// Landmark SLAM in the plane: listings 5 and 6 of the paper as a program. A robot drives round a square twice. It
+// measures its own motion and, from each pose, the landmarks nearby. Units: metre, radian.
 #include <slom/slom.hpp>
 
 #include <cstdio>

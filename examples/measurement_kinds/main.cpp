@@ -1,5 +1,5 @@
-// The kinds of measurements that come with the library: a robot drives along two sides of a square and sees a
-// beacon. Units: metre, radian.
+// The kinds of measurements in the library. A robot drives along two sides of a square and sees a beacon. Units: metre,
+// radian.
 #include <cstdio>
 
 #include <slom/measurements.hpp>

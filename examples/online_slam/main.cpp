@@ -1,5 +1,5 @@
-// Online SLAM in the plane: a robot drives round a square, again and again. After each step it has the optimum of everything measured so
-// far, in time in proportion to what the step changes. Units: metre, radian.
+// Online SLAM in the plane: a robot drives round a square again and again. After each step, it has the optimum of all
+// measurements so far. The time for that is proportional to what the step changes. Units: metre, radian.
 #include <cmath>
 #include <cstdio>
 #include <map>

@@ -1,5 +1,5 @@
-// Range-only SLAM on real data: a mowing robot with wheel odometry measures its distances to radio beacons that stand somewhere. The fit
-// is brought up to date after each fifth pose. Units: metre, radian, second.
+// Range-only SLAM on real data: a mowing robot with wheel odometry measures its distances to radio beacons at unknown
+// places. The fit is updated after every fifth pose. Units: metre, radian, second.
 //   data   ../shared/data/range_slam (CMU, Plaza 1): odometry, ranges, and the truth to compare with
 #include <cmath>
 #include <cstdio>
@@ -17,7 +17,7 @@
 using Point = mtk::vect<2>;
 using Pose = mtk::trafo<mtk::SO2<>>;  // world_T_robot
 
-/// The rows of a file of numbers without its heading.
+/// Returns the rows of a file of numbers, without the header line.
 std::vector<std::vector<double>> readCsv(const std::string& file) {
   std::ifstream in(file);
   std::vector<std::vector<double>> rows;
@@ -31,7 +31,8 @@ std::vector<std::vector<double>> readCsv(const std::string& file) {
   return rows;
 }
 
-/// Where a beacon stands, from ranges to several places: differences of |x - p|^2 = r^2 are linear in x. False while these are on a line.
+/// Locates a beacon from ranges to several places: differences of |x - p|^2 = r^2 are linear in x. Returns false if the
+/// places are on a line.
 bool locate(const std::vector<std::pair<slom::VarID<Pose>, double>>& ranges, Point& x) {
   Eigen::MatrixXd A(ranges.size(), 3);
   Eigen::VectorXd b(ranges.size());
@@ -59,13 +60,13 @@ int main(int argc, char** argv) {
              beacons = readCsv(folder + "/plaza1_beacons.csv");
 
   slom::Estimator est;
-  // The map has the place and the direction of the first true pose, so that both can be compared.
+  // The map begins at the first true pose, so that map and truth can be compared.
   std::vector<slom::VarID<Pose>> poses{
       est.insertRV(Pose(Point(truth[0][1], truth[0][2]), mtk::SO2<>(truth[0][3])), false, "start")};
   const auto scale = est.insertRV(1.0, "scale");  // scale of the ranges: these radios measure too long
   est.insertMeasurement([](const auto& s) { return s - 1; }, scale, slom::StandardDeviation(0.1));
   struct Beacon {
-    std::vector<std::pair<slom::VarID<Pose>, double>> ranges;  // until it can be located
+    std::vector<std::pair<slom::VarID<Pose>, double>> ranges;  // kept until the beacon can be located
     slom::VarID<Point> position;
     bool is_located = false;
   };
@@ -80,7 +81,7 @@ int main(int argc, char** argv) {
 
   std::size_t next_range = 0;
   int unconverged = 0;
-  Pose motion;  // since the last pose, and its variance
+  Pose motion;  // motion since the last pose, and its variance
   mtk::vect<3> variance(0, 0, 0);
   for (std::size_t k = 0; k < odometry.size(); ++k) {
     const double time = odometry[k][0], forward = odometry[k][1], turn = odometry[k][2];

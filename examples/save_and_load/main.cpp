@@ -1,4 +1,4 @@
-// A problem goes into a file, comes out of it again, and is fitted: the program of docs/replay.md.
+// Saves a problem to a file, loads it again and fits it: the program of docs/replay.md.
 #include <fstream>
 #include <iostream>
 

@@ -1,5 +1,5 @@
-// Section 3 of the paper: online model fitting with bounded effort. Poses come in one by one; the oldest one of a window is
-// marginalised: what its measurements say of the others stays, as a prior.
+// Online model fitting with bounded effort: section 3 of the paper. Poses arrive one by one. The oldest pose of the
+// window is marginalised: a prior keeps the information that its measurements give on the others.
 #include <cmath>
 #include <cstdio>
 
@@ -13,13 +13,13 @@ typedef MTK::trafo<MTK::SO2<>> Pose;
 SLOM_BUILD_MEASUREMENT(Odometry, 3, ((Pose, from)) ((Pose, to)), ((Pose, motion)))
 SLOM_IMPLEMENT_MEASUREMENT(Odometry, ret) { ret = MTK::difference(from->inverse() * *to, motion); }
 
-// A compass: the heading, with an offset that has to be estimated too.
+// A compass: it measures the heading, with an offset that is estimated too.
 SLOM_BUILD_MEASUREMENT(Compass, 1, ((Pose, pose)) ((MTK::Scalar<>, offset)), ((MTK::SO2<>, reading)))
 SLOM_IMPLEMENT_MEASUREMENT(Compass, ret) {
   ret = MTK::difference(pose->orient * MTK::SO2<>(*offset), reading);
 }
 
-// A position fix, as from a satellite receiver.
+// A position fix, for example from a satellite receiver.
 SLOM_BUILD_MEASUREMENT(Fix, 2, ((Pose, pose)), ((vec2, position)))
 SLOM_IMPLEMENT_MEASUREMENT(Fix, ret) { ret = pose->pos - position; }
 
@@ -27,7 +27,7 @@ int main() {
   SLOM::Estimator est;
   SLOM::FixedLag window({.variables = 11});
   SLOM::VarID<MTK::Scalar<>> offset =
-      est.insertRV(MTK::Scalar<>(0.0), false, "compass offset");  // known later
+      est.insertRV(MTK::Scalar<>(0.0), false, "compass offset");  // estimated later
 
   SLOM::VarID<Pose> last;
   const Pose motion(MTK::SO2<>(0.1), vec2(1, 0));
@@ -36,7 +36,7 @@ int main() {
   for (int k = 0; k < 200; ++k) {
     SLOM::VarID<Pose> pose = est.insertRV(k == 0 ? Pose() : *last * motion, "pose" + std::to_string(k));
     if (k > 0) {
-      // Wheels that slip a little: the odometry is 1 % short.
+      // The wheels slip a little: the odometry is 1 % short.
       const Pose measured(motion.orient, vec2(0.99 * motion.pos));
       est.insertMeasurement(Odometry(last, pose, measured), SLOM::StandardDeviation(vec3(0.05, 0.05, 0.01)));
     }

@@ -10,7 +10,7 @@
 
 namespace {
 
-/// The numbers of a CSV file, without its header line.
+/// Returns the numbers of a CSV file, without its header line.
 std::vector<std::vector<double>> readCsv(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw std::runtime_error("cannot read " + path);

@@ -1,6 +1,6 @@
-// The paper's worked example: calibrates a stereo camera and an IMU from images of a level checkerboard. Names and lines
-// are those of section 2 of "Tutorial on Quick and Easy Model Fitting Using the SLoM Framework"; lines 1 to 9 are in
-// types.hpp, the camera model in camera.cpp, reading data and rough start values in data.cpp. Line 38 rotates the
+// The paper's worked example: calibrates a stereo camera and an IMU from images of a level checkerboard. Names and
+// lines are those of section 2 of "Tutorial on Quick and Easy Model Fitting Using the SLoM Framework". Lines 1 to 9 are
+// in types.hpp, the camera model in camera.cpp, input and rough start values in data.cpp. Line 38 rotates the
 // acceleration by the orientation alone: it is a direction, which a translation must not move.
 #include <iostream>
 

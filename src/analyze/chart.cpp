@@ -28,7 +28,7 @@ std::string segment(double x1, double y1, double x2, double y2, const char* kind
          px(y2) + "\"/>\n";
 }
 
-/// A tick near 0 that is not exactly 0 by rounding is.
+/// Returns the text of a tick. A tick that differs from 0 only by rounding is 0.
 std::string tickText(double x, double step) { return number(std::abs(x) < 1e-9 * step ? 0 : x, 6); }
 
 }  // namespace

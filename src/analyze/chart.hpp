@@ -11,44 +11,44 @@ namespace slom {
 struct ChartRange {
   double low = 0, high = 1;
 
-  /// The smallest that holds these finite numbers, and a margin.
+  /// Returns the smallest range that holds these finite numbers, plus a margin.
   static ChartRange of(const std::vector<double>& numbers, double margin = 0.05);
 };
 
-/// Numbers at an axis: about `count` round ones within the range.
+/// Returns about `count` round numbers within the range, for an axis.
 std::vector<double> ticks(const ChartRange& range, int count);
 
-/// `text` within XML.
+/// Returns `text`, escaped for XML.
 std::string escapedForXml(const std::string& text);
 
 /// One diagram within a picture.
 class Chart {
  public:
-  /// Where it lies in the picture [px], and what it shows.
+  /// Position in the picture [px], and ranges of the axes.
   struct Frame {
     double left, top, width, height;
     ChartRange x, y;
-    bool has_whole_x = false;  // no numbers between whole ones at the axis
+    bool has_whole_x = false;  // true: only whole numbers at the axis
   };
   explicit Chart(const Frame& frame) : frame_(frame) {}
 
-  /// Axes with numbers, and what they say. `has_x_numbers` false: another diagram below has them.
+  /// Draws axes with numbers and labels. Pass `has_x_numbers` false if a diagram below shows the numbers.
   void axes(const std::string& x_label, const std::string& y_label, bool has_x_numbers = true);
-  /// A text above the frame.
+  /// Writes a text above the frame.
   void title(const std::string& text);
-  /// The region between two curves, given at the same x.
+  /// Fills the region between two curves given at the same x.
   void band(const std::vector<double>& x, const std::vector<double>& low, const std::vector<double>& high);
   void line(const std::vector<double>& x, const std::vector<double>& y);
-  /// A horizontal line through the whole frame.
+  /// Draws a horizontal line through the whole frame.
   void level(double y, bool is_dashed);
-  /// A bar from y - half to y + half.
+  /// Draws a bar from y - half to y + half.
   void bar(double x, double y, double half);
-  /// A point; `name` is shown where the pointer rests on it. Marked ones have another colour.
+  /// Draws a point. `name` appears when the pointer rests on the point. A marked point has another colour.
   void point(double x, double y, const std::string& name = "", bool is_marked = false);
-  /// A text beside a point.
+  /// Writes a text beside a point.
   void label(double x, double y, const std::string& text);
 
-  /// The elements so far.
+  /// Returns the elements drawn so far.
   const std::string& svg() const { return svg_; }
 
  private:
@@ -59,7 +59,7 @@ class Chart {
   std::string svg_;
 };
 
-/// The file of a picture of this size [px] with these elements.
+/// Returns the file of a picture of this size [px] with these elements.
 std::string svgFile(double width, double height, const std::string& elements);
 
 }  // namespace slom

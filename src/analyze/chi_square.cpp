@@ -13,7 +13,7 @@ namespace {
 constexpr int kMostTerms = 100000;
 constexpr double kEpsilon = 1e-16;
 
-/// P(a, x) by its power series, for x < a + 1.
+/// Returns P(a, x) by its power series, for x < a + 1.
 double lowerBySeries(double a, double x) {
   double term = 1 / a, sum = term;
   for (int n = 1; n < kMostTerms && term > kEpsilon * sum; ++n) {
@@ -23,7 +23,7 @@ double lowerBySeries(double a, double x) {
   return sum * std::exp(a * std::log(x) - x - logGamma(a));
 }
 
-/// Q(a, x) by its continued fraction (Lentz's evaluation), for x >= a + 1.
+/// Returns Q(a, x) by its continued fraction (Lentz's evaluation), for x >= a + 1.
 double upperByFraction(double a, double x) {
   constexpr double tiny = 1e-300;
   double b = x + 1 - a, c = 1 / tiny, d = 1 / b, product = d;

@@ -62,7 +62,7 @@ ClusterBy ClusterBy::blocks(std::string dimension, std::int64_t length) {
   });
 }
 
-/// Forms groups from keys: numbers, whose names may be something else.
+/// A maker of groups from keys. Keys are numbers; the names of groups may differ from them.
 class ClusterMaker {
  public:
   ClusterMaker(const Problem& problem, const ClusterBy& by) : problem_(problem), by_(by) {}
@@ -92,7 +92,7 @@ class ClusterMaker {
  private:
   std::string prefix() const { return (by_.name_.empty() ? "group" : by_.name_) + " "; }
 
-  /// Number of the key in the order in which keys come first.
+  /// Returns the number of the key, in the order in which keys first occur.
   int add(std::int64_t key, const std::string& name) {
     const auto [place, is_new] = numbers_.try_emplace(key, static_cast<int>(numbers_.size()));
     if (is_new) {
@@ -102,7 +102,8 @@ class ClusterMaker {
     return place->second;
   }
 
-  /// f(pool, i) is the number of the measurement's group in the order in which they come, or -1.
+  /// Calls f(pool, i) for all measurements. f returns the number of the measurement's group in order of first
+  /// occurrence, or -1.
   template <class F>
   void each(const F& f, bool is_sorted = true) {
     result_.way = by_.name_.empty() ? "group" : by_.name_;
@@ -136,7 +137,7 @@ class ClusterMaker {
     const int d = groups == nullptr ? -1 : groups->find(by_.name_);
     if (d < 0) raiseUnknown();
     const std::vector<GroupKey>& keys = groups->keys(d);
-    // Keys that are numbers count by themselves, texts in the order in which they were first used, after them.
+    // Number keys are sorted by value. Text keys follow, in the order of their first use.
     std::int64_t largest = std::numeric_limits<std::int64_t>::min();
     for (const GroupKey& key : keys) largest = key.is_text ? largest : std::max(largest, key.number);
     std::vector<int> rank(keys.size());

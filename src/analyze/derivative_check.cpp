@@ -14,13 +14,14 @@ namespace {
 
 using Block = Eigen::Map<const Eigen::MatrixXd>;
 
-/// |a - b| relative to the larger of the two, by their largest entries.
+/// Returns |a - b| relative to the larger of the two, measured by their largest entries.
 double distance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   const double scale = std::max(a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff());
   return scale > 0 ? (a - b).cwiseAbs().maxCoeff() / scale : 0;
 }
 
-/// What would turn `reference` into `used`. `left`: what turns perturbations on the left into such on the right.
+/// Returns the likely mistake that turns `reference` into `used`. `left` maps perturbations on the left to
+/// perturbations on the right.
 std::string guessCause(const Eigen::MatrixXd& used, const Eigen::MatrixXd& reference,
                        const Eigen::MatrixXd& left) {
   constexpr double same = 1e-3;
@@ -65,7 +66,7 @@ class Comparison {
     result_.source = pool.derivatives();
   }
 
-  /// Leaves out what differences cannot judge from now on.
+  /// Excludes from now on entries that differences cannot judge.
   void beCautious() { is_cautious_ = true; }
 
   GroupDerivativeCheck run(int most) {
@@ -135,13 +136,14 @@ class Comparison {
     result_.guess = guessCause(used, reference, left);
   }
 
-  /// Whether the differences are the same by another step and to one side, beside what they differ by from what is given.
+  /// Returns whether differences can judge the given derivatives. They can if central differences with another step and
+  /// one-sided differences agree with `reference` 5 times as closely as `used` does.
   bool canJudge(const Block& used, const Block& reference, std::ptrdiff_t start) const {
     const Block central(central_.data() + start, used.rows(), used.cols()),
         forward(forward_.data() + start, used.rows(), used.cols());
     if (!used.allFinite() || !reference.allFinite() || !central.allFinite() || !forward.allFinite())
       return false;
-    for (Eigen::Index c = 0; c < used.cols(); ++c) {  // a staircase, as of a table, is flat between its steps
+    for (Eigen::Index c = 0; c < used.cols(); ++c) {  // a step function is flat between its steps
       if (reference.col(c).isZero(0) && !used.col(c).isZero(0)) return false;
     }
     const double error = (used - reference).cwiseAbs().maxCoeff();
@@ -156,7 +158,7 @@ class Comparison {
   std::vector<double> residual_, used_, reference_, central_, forward_;
 };
 
-/// Pools of one group have one entry, that of the worst of them.
+/// Adds a check. Pools of one group share one entry, that of the worst pool.
 void add(GroupDerivativeCheck check, DerivativeCheck& result) {
   const auto same = std::find_if(result.groups.begin(), result.groups.end(),
                                  [&](const auto& known) { return known.group == check.group; });
@@ -200,7 +202,7 @@ std::ostream& operator<<(std::ostream& os, const DerivativeCheck& check) { retur
 DerivativeCheck compareDerivatives(const Problem& problem, int most_of_group) {
   DerivativeCheck result;
   for (const auto& pool : problem.pools()) {
-    if (pool->statedStep() > 0) continue;  // shorter differences show nothing
+    if (pool->statedStep() > 0) continue;  // differences with shorter steps show nothing
     Comparison comparison(problem, *pool);
     GroupDerivativeCheck group = problem.naming(*pool, [&] { return comparison.run(most_of_group); });
     if (comparison.hasEntries()) add(std::move(group), result);
@@ -211,7 +213,7 @@ DerivativeCheck compareDerivatives(const Problem& problem, int most_of_group) {
 DerivativeCheck findWrongDerivatives(const Problem& problem, int most_of_group) {
   DerivativeCheck result;
   for (const auto& pool : problem.pools()) {
-    constexpr long most_entries = 100'000;  // of a Jacobian: with more, differences take as long as a fit
+    constexpr long most_entries = 100'000;  // of a Jacobian; with more, differences take as long as a fit
     if (pool->derivatives() != DerivativeSource::given || pool->size() == 0) continue;
     if (static_cast<long>(pool->rows(0)) * pool->columns(0) > most_entries) continue;
     Comparison comparison(problem, *pool);

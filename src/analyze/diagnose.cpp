@@ -25,21 +25,22 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Kind = Finding::Kind;
 
-/// Correlations above this are reported.
+/// Correlation above which a pair of unknowns is reported.
 constexpr double kCorrelated = 0.999;
-/// Correlations are not examined for types with more variables than this: neighbours in a chain are always correlated.
+/// Number of variables of a type up to which correlations are examined. In larger types, such as chains, neighbours are
+/// always correlated.
 constexpr int kFew = 20;
-/// Correlations are not examined among more unknowns than this, because their covariance matrix is dense.
+/// Number of unknowns up to which correlations are examined: their covariance matrix is dense.
 constexpr int kMostDenseUnknowns = 600;
 /// Ratio of the largest to the smallest |J_i| above which other units are recommended.
 constexpr double kBadScale = 1e12;
 /// Number of correlations that are reported, the largest first.
 constexpr std::size_t kMostCorrelations = 5;
-/// Number of hardly determined directions that are reported one by one, the worst first; the others are counted.
+/// Number of poorly determined directions that are reported one by one, the worst first. The others are counted.
 constexpr Index kMostWeak = 20;
-/// A group's stated uncertainty is implausible when the probability of its chi-square is below kImplausible and the factor
-/// sqrt(chi2 / redundancy) of its standard deviations is outside [1 / kNoteworthy, kNoteworthy]. A factor below kNoNoise comes from data
-/// that were computed without noise.
+/// A group's stated uncertainty is implausible if two conditions hold. The probability of its chi-square is below
+/// kImplausible, and the factor sqrt(chi2 / redundancy) of its standard deviations is outside [1 / kNoteworthy,
+/// kNoteworthy]. A factor below kNoNoise comes from data that were computed without noise.
 constexpr double kImplausible = 1e-3, kNoteworthy = 1.2, kNoNoise = 1e-6;
 
 class Examination {
@@ -160,7 +161,7 @@ class Examination {
     return movementAlong(direction, scale, unknowns, [this](int unknown) { return nameOf(unknown); });
   }
 
-  /// Whether several numbers move by the same amount, as heights of a levelling network do.
+  /// Returns whether several numbers move by the same amount, such as the heights of a levelling network.
   bool isShift(const Movement& moves, const std::vector<int>& unknowns, const VectorXd& direction) const {
     const auto is_same = [](const std::string& amount) { return amount == "+1"; };
     if (moves.names.size() < 2 || !std::ranges::all_of(moves.amounts, is_same)) return false;
@@ -205,7 +206,7 @@ class Examination {
     for (Index k = none; k < std::min(weak, none + kMostWeak); ++k) {
       const VectorXd direction = least.direction.col(k);
       const Movement moves = movement(all, direction, least.scale);
-      Index largest = 0;  // the first of those that are equal to rounding error
+      Index largest = 0;  // the first of the entries that are equal up to rounding
       const double most = direction.cwiseAbs().maxCoeff();
       while (std::abs(direction[largest]) * (1 + 1e-6) < most) ++largest;
       const double deviation = std::abs(direction[largest]) / least.scale[largest] / least.influence[k];
@@ -258,7 +259,7 @@ class Examination {
         {a, b});
   }
 
-  /// Whether the solver can factorise J^T J: it may fail where some directions are hardly determined.
+  /// Returns whether the solver can factorise J^T J. It may fail if some directions are poorly determined.
   bool canInvert() {
     MatrixXd ignored;
     return linearized_.solveFor(MatrixXd(structure_.system.unknowns(), 0), ignored).ok;
@@ -314,8 +315,8 @@ class Examination {
                                [&](const auto& pool) { return pool->name() == group && statesNoise(*pool); });
   }
 
-  /// Compares the residuals of each group with its stated standard deviations. Residuals are evidence of these only at a minimum, and only
-  /// when the data contain noise.
+  /// Compares the residuals of each group with its stated standard deviations. Residuals are evidence for standard
+  /// deviations only at a minimum and only if the data contain noise.
   void judgeSigmas() {
     if (!(linearized_.orthogonality() < kAtMinimum) || !linearized_.hasInverse()) return;
     for (const GroupCheck& group : checkResiduals(linearized_, OutlierOptions{.worst = 0}, 1).groups) {

@@ -1,4 +1,4 @@
-/// Looks a problem over at its current values: what it determines, what it does not, and why.
+/// Diagnosis of a problem at its current values: what it determines, what it does not determine, and why.
 #pragma once
 
 #include "analyze/linearized_problem.hpp"
@@ -6,10 +6,10 @@
 
 namespace slom {
 
-/// Values count as a minimum from this Evaluator::orthogonality() down, for statements that hold at one alone.
+/// Limit of Evaluator::orthogonality() at and below which values count as a minimum.
 inline constexpr double kAtMinimum = 1e-4;
 
-/// Sparse: a factorisation and a few solutions with it.
+/// Diagnoses the problem. Costs a sparse factorisation and a few solutions with it.
 Diagnosis diagnose(const LinearizedProblem& linearized);
 
 }  // namespace slom

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// What variables of a type are called, in the singular.
+/// Returns the noun for variables of a type, in the singular.
 std::string nounOf(const std::string& type) {
   if (type.rfind("trafo<", 0) == 0) return "pose";
   if (type == "vect<2>" || type == "vect<3>" || type.rfind("Matrix<double, ", 0) == 0) return "point";

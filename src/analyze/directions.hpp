@@ -1,4 +1,4 @@
-/// Directions in which unknowns can move, in the user's names.
+/// Directions in which unknowns can move, described with the user's names.
 #pragma once
 
 #include <functional>
@@ -12,22 +12,23 @@
 
 namespace slom {
 
-/// Entries of a direction that are smaller than this share of the largest are not reported.
+/// Fraction of the largest entry of a direction below which entries are not reported.
 inline constexpr double kNegligibleEntry = 1e-5;
 
-/// The components that move along a direction, largest first, with the amounts that they move by when the first moves by 1.
+/// Components that move along a direction, largest first. The amounts are relative to that of the first, which is 1.
 struct Movement {
   std::vector<std::string> names, amounts;
 };
 
-/// `direction`: an entry for each of `unknowns`, in unknowns scaled by `scale` (all unknowns).
+/// Describes a direction. `direction` has an entry for each of `unknowns`, in unknowns scaled by `scale` (all
+/// unknowns).
 Movement movementAlong(const Eigen::VectorXd& direction, const Eigen::VectorXd& scale,
                        const std::vector<int>& unknowns, const std::function<std::string(int)>& name_of);
 
-/// A basis of the same space with few entries: each direction has 1 where the others have 0.
+/// Returns a basis of the same space with few nonzero entries: each direction has 1 where the others have 0.
 Eigen::MatrixXd basisOfFewEntries(Eigen::MatrixXd basis);
 
-/// A free gauge of a part: who moves, how, and the remedy.
+/// Describes a free gauge of a part: which variables move, how, and the remedy.
 Finding findingOf(const Gauge& gauge, const ConnectedPart& part, const Problem& problem,
                   const ProblemStructure& structure);
 

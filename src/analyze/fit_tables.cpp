@@ -32,7 +32,7 @@ void fillGroups(const Problem& problem, const std::vector<double>& rss, Summary&
 
 namespace {
 
-/// Writes values of rotations and directions into the rows of their variable.
+/// A sink that writes rotations and directions into the rows of their variable.
 class OrientationRows final : public OrientationSink {
  public:
   OrientationRows(std::vector<ParameterSummary>& rows, bool& has_rotations)
@@ -54,7 +54,8 @@ class OrientationRows final : public OrientationSink {
   bool& has_rotations_;
 };
 
-/// A manifold of the user's own has neither coordinates nor an orientation; its first component shows what its operator<< writes.
+/// Shows a user's own manifold, which has neither coordinates nor an orientation. The row of its first component gets
+/// the output of its operator<<.
 void showOwnManifold(const Problem& problem, int variable, std::vector<ParameterSummary>& rows) {
   constexpr std::size_t most = 40;
   const auto is_blank = [](const ParameterSummary& row) { return row.text.empty() && std::isnan(row.value); };
@@ -65,7 +66,7 @@ void showOwnManifold(const Problem& problem, int variable, std::vector<Parameter
   if (is_written && text.size() <= most && text.find('\n') == std::string::npos) rows.front().text = text;
 }
 
-/// A row for each component of the variable.
+/// Returns a row for each component of the variable.
 std::vector<ParameterSummary> rowsOf(const Problem& problem, int variable, bool& has_rotations) {
   const VariableRecord& record = problem.variables()[static_cast<std::size_t>(variable)];
   std::vector<ParameterSummary> rows(static_cast<std::size_t>(record.dof));
@@ -83,7 +84,7 @@ std::vector<ParameterSummary> rowsOf(const Problem& problem, int variable, bool&
   return rows;
 }
 
-/// Adds the rows of all unknowns; deviation(variable, component, unknown) is the standard deviation of one.
+/// Adds the rows of all unknowns. deviation(variable, component, unknown) returns a standard deviation.
 template <class Deviation>
 void addRows(const LinearizedProblem& linearized, Summary& summary, const Deviation& deviation) {
   const ProblemStructure& structure = linearized.structure();
@@ -99,7 +100,7 @@ void addRows(const LinearizedProblem& linearized, Summary& summary, const Deviat
   }
 }
 
-/// The strongest correlations of these unknowns.
+/// Fills in the strongest correlations of these unknowns.
 void fillCorrelations(const Eigen::MatrixXd& C, const std::vector<int>& unknowns, Summary& summary) {
   constexpr double strong = 0.95;
   constexpr std::size_t most = 5;
@@ -118,7 +119,7 @@ void fillCorrelations(const Eigen::MatrixXd& C, const std::vector<int>& unknowns
   summary.correlations.resize(most);
 }
 
-/// What is hardly determined, where columns of J are nearly dependent.
+/// Lists what is poorly determined, if columns of J are nearly dependent.
 void fillUndetermined(const LinearizedProblem& linearized, double largest_inflation, Summary& summary) {
   constexpr double nearly_dependent = 1e10;
   if (!(largest_inflation > nearly_dependent)) return;
@@ -142,7 +143,8 @@ void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double
   fillCorrelations(C, unknowns, summary);
   fillUndetermined(linearized, C.diagonal().cwiseProduct(linearized.diagonal()).maxCoeff() / variance_factor,
                    summary);
-  // Where columns of J are nearly dependent, rounding spoils them; then their sum is not the redundancy.
+  // If columns of J are nearly dependent, rounding spoils the redundancies of groups. Their sum then differs from the
+  // redundancy.
   double sum = 0;
   for (const GroupCheck& check : checks.groups) sum += check.redundancy;
   if (std::abs(sum - summary.redundancy) > 1e-3 * std::max(1, summary.redundancy)) return;

@@ -1,4 +1,4 @@
-/// What a summary says of groups, parameters and bounds.
+/// Tables of a summary: groups, parameters and bounds.
 #pragma once
 
 #include <string>
@@ -10,16 +10,17 @@
 
 namespace slom {
 
-/// A row for each group: its sizes and the RSS before the fit, or the RSS after it and what its losses did. `rss`: that of each pool.
+/// Fills a row for each group. Before the fit: its sizes and its RSS; after: its RSS and the effect of its losses.
+/// `rss` holds the RSS of each pool.
 void fillGroups(const Problem& problem, const std::vector<double>& rss, Summary& summary, bool before);
 
-/// Values, standard deviations and strong correlations of all unknowns, and the redundancy of each group. Throws, and leaves the
-/// summary as it is, where there are no covariances.
+/// Fills in values, standard deviations and strong correlations of all unknowns, and the redundancy of each group. If
+/// there are no covariances, throws and leaves the summary unchanged.
 void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
                     Summary& summary);
 
-/// The table of parameters alone, where the summary has none: with standard deviations from the selected inverse. Throws
-/// [slom.no-parameters], and what covariances throw.
+/// Adds the table of parameters to a summary without one, with standard deviations from the selected inverse. Throws
+/// [slom.no-parameters], and the errors of covariances.
 void addParameters(const LinearizedProblem& linearized, FreeGauge gauge, double variance_factor,
                    Summary& summary);
 
@@ -29,11 +30,12 @@ struct UnknownRow {
   ParameterSummary row;
   bool is_at_bound;  ///< its standard deviation is 0
 };
-/// Rows of all unknowns, those at a bound too, with standard deviations from the selected inverse. Throws what covariances throw.
+/// Returns the rows of all unknowns, including those at a bound, with standard deviations from the selected inverse.
+/// Throws the errors of covariances.
 std::vector<UnknownRow> unknownRows(const LinearizedProblem& linearized, FreeGauge gauge,
                                     double variance_factor, bool& has_rotations);
 
-/// `camera.k3 is at its upper bound 0.5`
+/// Returns sentences such as `camera.k3 is at its upper bound 0.5`.
 std::vector<std::string> activeBounds(const Problem& problem);
 
 }  // namespace slom

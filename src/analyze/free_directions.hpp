@@ -1,4 +1,4 @@
-/// The null space of J, as the loop of a fit asks for it.
+/// The null space of J in the form that the loop of a fit needs.
 #pragma once
 
 #include "analyze/linearized_problem.hpp"
@@ -6,7 +6,7 @@
 
 namespace slom {
 
-/// Empty where the problem has no unknowns.
+/// Finds the free directions; none if the problem has no unknowns.
 FreeDirections findFreeDirections(const LinearizedProblem& linearized);
 
 }  // namespace slom

@@ -15,9 +15,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kSame = 1e-6;  // difference of directions, which have unit length
+constexpr double kSame = 1e-6;  // limit of the difference of two directions of unit length
 
-/// Columns of length 1; `length` holds what they had.
+/// Returns A with columns of length 1; `length` receives the original lengths.
 MatrixXd normalized(MatrixXd A, VectorXd& length) {
   length = A.colwise().norm();
   for (Index j = 0; j < A.cols(); ++j) A.col(j) /= length[j] > 0 ? length[j] : 1;
@@ -29,13 +29,13 @@ MatrixXd orthonormalColumns(const MatrixXd& A) {
   return svd.matrixU().leftCols((svd.singularValues().array() > kSame).count());
 }
 
-/// Variables of one type in a part, with the rows of their unknowns in it.
+/// Variables of one type in a part, and the rows of their unknowns in the part.
 struct Class {
   std::vector<int> variables, first_row;
   Index rows = 0;
 };
 
-/// The variables that take part in the null space, by the store of their type.
+/// Returns the variables with entries in the null space, by the store of their type.
 std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, const ProblemStructure& structure,
                                                     const ConnectedPart& part, const MatrixXd& null_space) {
   std::map<const VariableStoreBase*, Class> classes;
@@ -53,7 +53,7 @@ std::map<const VariableStoreBase*, Class> classesOf(const Problem& problem, cons
   return classes;
 }
 
-/// The gauge generators on the scaled unknowns of the class.
+/// Returns the gauge generators on the scaled unknowns of the class.
 MatrixXd gaugeGeneratorsOf(const Problem& problem, const ConnectedPart& part, const Class& own,
                            WorldRole role, const VectorXd& scale) {
   MatrixXd all(own.rows, kGaugeGenerators);
@@ -80,7 +80,7 @@ MatrixXd rowsOf(const MatrixXd& A, const Problem& problem, const Class& own) {
   return rows;
 }
 
-/// An orthonormal basis of what the columns of A leave when they are combined such that the given rows vanish.
+/// Returns an orthonormal basis of the combinations of columns of A in which the given rows vanish.
 MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
   if (rows.rows() == 0) return A;
   const SVD svd = svdOf(rows, Eigen::ComputeFullV);
@@ -89,7 +89,7 @@ MatrixXd vanishingIn(const MatrixXd& A, const MatrixXd& rows) {
   return A * svd.matrixV().rightCols(A.cols() - rank);
 }
 
-/// The rows of unknowns that no gauge generator changes.
+/// Returns the rows of unknowns that no gauge generator changes.
 MatrixXd rowsElsewhere(const Problem& problem, const ConnectedPart& part, const MatrixXd& null_space) {
   std::vector<int> rows;
   int row = 0;
@@ -105,8 +105,8 @@ MatrixXd rowsElsewhere(const Problem& problem, const ConnectedPart& part, const 
   return null_space(rows, Eigen::all);
 }
 
-/// The combinations of gauge generators that, on this class, lie in the null space.
-/// `elsewhere`: the rows of the null space that no gauge generator changes, as those of focal lengths.
+/// Returns the combinations of gauge generators that, on this class, lie in the null space. `elsewhere` holds the rows
+/// of the null space that no gauge generator changes, such as those of focal lengths.
 Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const MatrixXd& null_space,
                     const MatrixXd& elsewhere) {
   Gauge result;
@@ -121,7 +121,7 @@ Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const Ma
   const MatrixXd U = null_svd.matrixU().leftCols(null_rank);
   const SVD angles = svdOf(Q.transpose() * U, Eigen::ComputeThinU);
   const Index count = (angles.singularValues().array() > 1 - kSame).count();
-  // Two spaces that fill more than all there is have that much in common by necessity.
+  // If the dimensions of two subspaces add up to more than that of the whole space, the excess is always in common.
   if (count <= std::max<Index>(0, rank + null_rank - null_rows.rows())) return result;
   const VectorXd inverse = null_svd.singularValues().head(null_rank).cwiseInverse();
   const MatrixXd coefficients = null_svd.matrixV().leftCols(null_rank) * inverse.asDiagonal() * U.transpose();
@@ -134,7 +134,7 @@ Gauge commonMotions(const MatrixXd& motions, const MatrixXd& null_rows, const Ma
   return result;
 }
 
-/// `x, y, z` of all three axes, or the vectors that span the columns of A: `x`, `(0.6 0.8 0)`.
+/// Returns `x, y, z` if A spans all three axes, or else the vectors that span the columns of A: `x`, `(0.6 0.8 0)`.
 std::string axes(const MatrixXd& A) {
   PivotedQR qr = pivotedQrOf(A);
   qr.setThreshold(kSame);
@@ -160,7 +160,7 @@ std::string axes(const MatrixXd& A) {
   return text;
 }
 
-/// Pure translations, what there is beyond them, and the scale.
+/// Describes pure translations, the motions beyond them, and the scale.
 void describe(Gauge& gauge) {
   const MatrixXd& motions = gauge.motions;
   const auto inUnits = [&](const MatrixXd& A, int first) {

@@ -6,7 +6,7 @@ namespace slom {
 
 namespace {
 
-/// Measurements checked in each group: one is not enough, as left and right derivatives coincide at some values.
+/// Number of measurements checked in each group. One is not enough: left and right derivatives coincide at some values.
 constexpr int kMeasurements = 4;
 
 }  // namespace
@@ -21,7 +21,7 @@ void GivenDerivatives::check(const Problem& problem, std::vector<std::string>& w
                          "; wrong derivatives lead to other values or wrong standard deviations: "
                          "checkDerivatives() compares them all");
       }
-    } catch (...) {  // a function that throws next to the fit: nothing can be said
+    } catch (...) {  // the function throws next to the fit, so it cannot be checked
     }
   }
   warnings.insert(warnings.end(), found_.begin(), found_.end());

@@ -1,5 +1,5 @@
-/// Warnings of derivatives that are given by hand and wrong: a fit with them ends at a wrong place, or at the right one with wrong
-/// standard deviations, and does not notice.
+/// Warnings about wrong derivatives given by hand. With wrong derivatives a fit ends at a wrong place, or at the right
+/// place with wrong standard deviations, and nothing else shows it.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace slom {
 
 class GivenDerivatives {
  public:
-  /// Appends a sentence for each group whose given derivatives are wrong. It looks at a few measurements of each group, once after
-  /// each change of the structure, at the values of that time. Throws nothing that functions of measurements do.
+  /// Appends a sentence for each group whose given derivatives are wrong. Checks a few measurements of each group, once
+  /// after each change of the structure, at the current values. Exceptions of measurement functions are not passed on.
   void check(const Problem& problem, std::vector<std::string>& warnings);
 
  private:

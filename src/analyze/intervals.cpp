@@ -16,7 +16,7 @@ namespace {
 
 using Cells = std::array<std::string, 5>;  // name, value, standard deviation, lower, upper
 
-/// With as many decimals as a hundredth of the standard deviation has.
+/// Writes x with the decimals that a hundredth of the standard deviation needs.
 std::string decimal(double x, double standard_deviation) {
   const double decimals = 1 - std::floor(std::log10(standard_deviation)) + 1;
   if (!std::isfinite(x) || !(std::abs(x) < 1e9) || !(decimals >= 0 && decimals <= 12)) return number(x, 6);
@@ -49,7 +49,7 @@ std::string allDigits(double x) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
 }
 
-/// RFC 4180.
+/// Quotes a CSV field by RFC 4180.
 std::string quoted(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string result = "\"";

@@ -19,15 +19,15 @@ using Eigen::MatrixXd;
 
 namespace {
 
-/// Largest variance inflation (H^-1)_ii H_ii at which the normal equations are trusted: they lose that many digits. Beyond it, variances
-/// would have fewer than six digits left, and J itself is factorised.
+/// Largest variance inflation (H^-1)_ii H_ii at which the normal equations are trusted: they lose that many digits.
+/// Beyond it, variances would have fewer than 6 digits, so J itself is factorised.
 constexpr double kMostInflation = 1e10;
 constexpr int kMostCarefulUnknowns = 20'000;  // above, factorising J takes long
 
 }  // namespace
 
 struct LinearizedProblem::Results {
-  /// Keeps what it is sent.
+  /// A sink that keeps all rows it receives.
   struct RowKeeper final : JacobianSink {
     JacobianRows rows, unweighted;
 
@@ -47,8 +47,8 @@ struct LinearizedProblem::Results {
   double rss = 0, squared_norm = 0;
   bool is_linearized = false;
 
-  std::unique_ptr<LinearSolver> exact;    // instead of the lent solver, which iterates
-  std::unique_ptr<LinearSolver> careful;  // instead of the one before it, which found no rank
+  std::unique_ptr<LinearSolver> exact;    // in place of the lent solver, if that iterates
+  std::unique_ptr<LinearSolver> careful;  // in place of the solver before it, if that found a loss of rank
   bool careful_failed = false;
   SolveStatus careful_status;
   std::uint64_t content = ~std::uint64_t{0};  // Evaluator::contentOfSolver() once these rows are in it
@@ -132,8 +132,9 @@ double LinearizedProblem::orthogonality() const {
   return Evaluator::orthogonality(gradient(), diagonal(), results_->squared_norm);
 }
 
-/// The solver, which has these rows. Iterations do not notice what is hardly determined, and end with variances that are far too small:
-/// where the estimator's solver iterates, one that factorises takes its place, if the factor is not too large.
+/// Returns the solver, filled with these rows. Iterative solvers do not notice poorly determined directions and give
+/// variances far too small. If the estimator's solver iterates, a factorising one replaces it, unless its factor is too
+/// large.
 LinearSolver& LinearizedProblem::solver() const {
   linearize();
   Results& own = *results_;
@@ -179,7 +180,7 @@ SolveStatus LinearizedProblem::solveFor(const MatrixXd& B, MatrixXd& X) const {
   return status;
 }
 
-/// Whether a solver that keeps more digits takes over.
+/// Tries a solver that keeps more digits. Returns whether it replaces the present one.
 bool LinearizedProblem::becomeCareful() const {
   if (!isExact() || structure_.system.unknowns() > kMostCarefulUnknowns) return false;
   bool has_changed = false;
@@ -217,7 +218,7 @@ MatrixXd LinearizedProblem::covarianceColumns(FreeGauge gauge, int first, int co
       columns.middleRows(first, count).diagonal().cwiseProduct(diagonal().segment(first, count));
   if (count > 0 && inflation.maxCoeff() > kMostInflation && becomeCareful())
     static_cast<void>(solveFor(unit, columns));
-  for (int i = 0; i < count; ++i) {  // conjugate gradients do not notice a loss of rank
+  for (int i = 0; i < count; ++i) {  // conjugate gradients do not detect a loss of rank
     if (!(columns(first + i, i) >= 0)) throw undetermined(SolveStatus{false, first + i, 0, 0});
   }
   return columns;

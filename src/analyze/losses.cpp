@@ -9,7 +9,7 @@ namespace slom {
 
 namespace {
 
-/// The place of one of the library's losses in their table; users' own come after them.
+/// Returns the place of one of the library's losses in their table. Users' own losses come after them.
 std::ptrdiff_t placeInTable(const Loss& loss) {
   const std::span<const LossKind* const> all = losses();
   return std::find(all.begin(), all.end(), loss.kind()) - all.begin();

@@ -41,7 +41,7 @@ Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, do
     inverse.block(variable, variable, block);
     clearConstrained(linearized, variable, variable, block);
     const int dof = structure.system.dof(variable);
-    for (int i = 0; i < dof; ++i) {  // conjugate gradients do not notice a loss of rank
+    for (int i = 0; i < dof; ++i) {  // conjugate gradients do not detect a loss of rank
       if (block[i * (dof + 1)] < 0)
         throw linearized.undetermined(SolveStatus{false, structure.offsetOf(variable) + i, 0, 0});
     }

@@ -9,13 +9,13 @@
 namespace slom {
 
 namespace {
-constexpr double kFar = 10;                // times what is expected
-constexpr double kMisfitOfNoNoise = 1e-9;  // times it: data that were simulated without noise
+constexpr double kFar = 10;                // ratio to the expected value
+constexpr double kMisfitOfNoNoise = 1e-9;  // ratio to the expected value, for simulations without noise
 constexpr double kLeastRedundancy = 5, kFarOfFew = 100;
 constexpr int kLeastMeasurements = 5;
 constexpr double kNearlyAll = 0.9;
 
-/// Whether chi-square is far from its degrees of freedom, which are at least `least` and at most `most`.
+/// Returns whether chi-square is far from its degrees of freedom, which are between `least` and `most`.
 bool isFar(double chi2, double least, double most) {
   if (!(most > 0)) return false;
   if (chi2 > most * (most < kLeastRedundancy ? kFarOfFew : kFar)) return true;
@@ -31,7 +31,7 @@ std::string sentence(const std::string& what, double ratio) {
          "; outliers() names the worst data, Sigma::estimated takes the scale from the residuals";
 }
 
-/// `Huber(1.345)`, or `losses such as Huber(1.345)` where there are several.
+/// Returns `the loss Huber(1.345) gives`, or `losses such as Huber(1.345) give` if there are several.
 std::string nameOf(const std::vector<LossSummary>& losses) {
   return losses.size() == 1 ? "the loss " + losses.front().loss + " gives"
                             : "losses such as " + losses.front().loss + " give";
@@ -63,7 +63,7 @@ std::vector<std::string> misfits(const Problem& problem, const Summary& summary)
   for (std::size_t g = 0; g < summary.groups.size(); ++g) {
     const GroupSummary& group = summary.groups[g];
     if (!group.losses.empty() || !groupStatesNoise(problem, g)) continue;
-    // Where the group's share of the redundancy was not computed, bounds of it will do.
+    // If the redundancy of the group was not computed, its bounds are used.
     const bool is_known = group.redundancy >= 0;
     const double least =
         is_known ? group.redundancy : group.residuals - summary.unknowns + summary.free_directions;

@@ -8,8 +8,8 @@
 
 namespace slom {
 
-/// Sentences about a fit whose residuals are far from what the stated standard deviations let expect, overall
-/// or in a group, and about groups that a loss takes for outliers nearly as a whole.
+/// Returns sentences about a fit whose residuals, in all or in a group, are far from those expected from the stated
+/// standard deviations. Also names groups that a loss treats almost entirely as outliers.
 std::vector<std::string> misfits(const Problem& problem, const Summary& summary);
 
 }  // namespace slom

@@ -18,19 +18,19 @@ using Eigen::VectorXd;
 
 constexpr double kDamping = 1e-10;  // damping of the scaled J^T J, whose diagonal is 1
 constexpr int kIterations = 6;
-/// The iteration separates directions whose squared influences |J d|^2 differ by more than the damping: a long chain has many that are
-/// nearly free.
+/// Bound on |J d| down to which the iteration separates directions: their |J d|^2 must differ by more than the damping.
+/// A long chain has many directions that are nearly free.
 constexpr double kSeparated = 3e-5;
-/// The null space is empty when the square of the smallest influence |J d| falls by less than kSettled from one iteration to the next,
-/// and exceeds the square of the limit kFarAbove times.
+/// Test that the null space is empty. From one iteration to the next, the square of the smallest influence |J d| falls
+/// by a factor below kSettled. It also exceeds the square of the limit kFarAbove times.
 constexpr double kSettled = 1.1, kFarAbove = 10;
 constexpr Index kFirstCount = 4, kMostCount = 192;
-/// Limit of unknowns x directions^2, to which the time is proportional: some ten seconds.
+/// Limit of unknowns x directions^2, to which the time is proportional: about 10 seconds.
 constexpr double kMostWork = 1e9;
 
-/// Squared lengths of columns, 0 for those that are nothing but rounding errors: beside the largest column of the same variable,
-/// whose components may differ in unit, but hardly by this. A component that no residual depends on often has such a column, as the
-/// translation t in (R - I) t along the axis of R.
+/// Returns squared lengths of columns, 0 for columns that are only rounding errors compared with the largest column of
+/// the same variable. Units of its components may differ, but hardly by 1e14. A component that no residual depends on
+/// often has such a column, such as the translation t in (R - I) t along the axis of R.
 VectorXd withoutRounding(VectorXd diagonal, const BlockStructure& structure) {
   constexpr double rounding = 1e-14;
   for (int b = 0; b < structure.blockCount(); ++b) {
@@ -42,7 +42,8 @@ VectorXd withoutRounding(VectorXd diagonal, const BlockStructure& structure) {
   return diagonal;
 }
 
-/// Numbers that look random and are the same in every run, 0 for unobservable unknowns, on which no residual depends.
+/// Returns pseudo-random numbers, the same in every run. Rows of unobservable unknowns, on which no residual depends,
+/// are 0.
 MatrixXd startVectors(const VectorXd& diagonal, Index count) {
   MatrixXd start(diagonal.size(), count);
   double x = 0.5;
@@ -57,9 +58,11 @@ MatrixXd startVectors(const VectorXd& diagonal, Index count) {
   return start;
 }
 
-/// Makes the columns of V orthonormal in two passes of Cholesky factorisation of V^T V, which consist of products of matrices and are
-/// several times as fast as reflections; by reflections where columns are nearly parallel. Returns the largest singular value of V.
-///   source   Yamamoto, Nakatsukasa, Yanagisawa and Fukaya, "Roundoff error analysis of the CholeskyQR2 algorithm", 2015
+/// Makes the columns of V orthonormal by two passes of Cholesky factorisation of V^T V. The passes consist of products
+/// of matrices and are several times as fast as reflections. If columns are nearly parallel, uses reflections. Returns
+/// the largest singular value of V, or 0 if it used reflections.
+///   source   Yamamoto, Nakatsukasa, Yanagisawa and Fukaya, "Roundoff error analysis of the CholeskyQR2 algorithm",
+///            2015
 double orthonormalize(MatrixXd& V) {
   constexpr double most_of_condition = 1e12;  // largest condition number of V^T V
   const VectorXd lengths = V.colwise().norm();
@@ -68,7 +71,7 @@ double orthonormalize(MatrixXd& V) {
     return 0;
   }
   V = V * lengths.cwiseInverse().asDiagonal();
-  MatrixXd R = lengths.asDiagonal();  // V as it was = V as it is * R
+  MatrixXd R = lengths.asDiagonal();  // original V = present V * R
   for (int pass = 0; pass < 2; ++pass) {
     const MatrixXd gram = V.transpose() * V;
     const SymmetricEigen eigen = eigenOf(gram);
@@ -85,7 +88,7 @@ double orthonormalize(MatrixXd& V) {
   return svdOf(R, 0).singularValues()[0];
 }
 
-/// Turns the columns of `result.direction` into the singular vectors of J among them.
+/// Turns the columns of `result.direction` into the singular vectors of J within their span.
 void sortByInfluence(const LinearizedProblem& linearized, NearNullSpace& result) {
   MatrixXd image = linearized.times(result.scale.cwiseInverse().asDiagonal() * result.direction);
   if (image.rows() > image.cols()) {
@@ -100,7 +103,7 @@ void sortByInfluence(const LinearizedProblem& linearized, NearNullSpace& result)
   result.direction = result.direction * svd.matrixV().rowwise().reverse();
 }
 
-/// Solutions with H where it has full rank, otherwise with H + damping.
+/// Solutions with H if it has full rank, otherwise with H + damping.
 class InverseIteration {
  public:
   InverseIteration(const LinearizedProblem& linearized, const NearNullSpace& shape)
@@ -121,7 +124,7 @@ class InverseIteration {
   SolveStatus solve(const MatrixXd& B, MatrixXd& X) {
     return damped_ ? damped_->solveDamped(damping_, B, X) : linearized_.solveFor(B, X);
   }
-  /// The damping, in scaled unknowns.
+  /// Returns the damping in scaled unknowns; 0 if H has full rank.
   double shift() const { return shift_; }
 
  private:
@@ -155,7 +158,7 @@ NearNullSpace findNearNullSpace(const LinearizedProblem& linearized, double limi
     for (int i = 0; i < kIterations; ++i) {
       MatrixXd moved;
       const SolveStatus status = inverse.solve(result.scale.asDiagonal() * result.direction, moved);
-      if (!status.ok) break;  // the vectors so far are the best there are
+      if (!status.ok) break;  // keeps the vectors found so far
       for (const int row : result.unobserved) moved.row(row).setZero();
       result.direction = result.scale.asDiagonal() * moved;
       const double last = std::exchange(gain, orthonormalize(result.direction));

@@ -1,4 +1,4 @@
-// What is made of the tests of all measurements: the ranking and the text.
+// Report on the tests of all measurements: ranking and text.
 #include <algorithm>
 #include <ostream>
 
@@ -28,7 +28,7 @@ std::string header() {
   return text;
 }
 
-/// What residuals say nothing of: measurements that the others hardly check.
+/// Lists measurements that the others hardly check; residuals say nothing about them.
 std::string hardlyCheckableText(const OutlierReport& report) {
   std::vector<MeasurementCheck> all;
   for (const GroupCheck& group : report.groups)

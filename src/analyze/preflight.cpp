@@ -15,8 +15,8 @@ namespace slom {
 
 namespace {
 
-constexpr int kDerivativesOfGroup = 50;    // measurements whose derivatives are compared
-constexpr std::size_t kMostVariables = 3;  // that are named for having too few residuals
+constexpr int kDerivativesOfGroup = 50;    // number of measurements with compared derivatives
+constexpr std::size_t kMostVariables = 3;  // number of variables named for having too few residuals
 
 class Inspection {
  public:
@@ -88,7 +88,7 @@ class Inspection {
     }
   }
 
-  /// Fewer residuals than unknowns, in all or around a variable.
+  /// Reports fewer residuals than unknowns, in all or around a variable.
   void countResiduals() {
     const ProblemStructure& structure = linearized_.structure();
     const int unknowns = structure.system.unknowns() - problem_.activeSet().fixedOrActiveCount();

@@ -5,7 +5,7 @@
 
 namespace slom {
 
-/// Evaluates everything once, compares derivatives, counts residuals against unknowns, and diagnoses what is left.
+/// Evaluates everything once, compares derivatives, counts residuals against unknowns, and diagnoses the problem.
 Preflight preflight(const LinearizedProblem& linearized);
 
 }  // namespace slom

@@ -23,7 +23,7 @@ std::vector<double> coordinatesOf(const Problem& problem, int variable) {
   return x;
 }
 
-/// One coordinate of a variable, moved along while everything else is fitted again.
+/// One coordinate of a variable, which is moved while everything else is fitted again.
 class Profile {
  public:
   Profile(Problem& problem, const ProfiledFit& fit, int variable, int component)
@@ -72,7 +72,7 @@ class Profile {
   double value() const { return x_[at(component_)]; }
 
   ProfileInterval search(const ComponentBound& bound, bool is_bounded, ValueSnapshot& start) {
-    // Its own covariance, though it is at the bound.
+    // Without the bound, the coordinate has a covariance even if it is at the bound.
     if (is_bounded) problem_.setBound(variable_, components_, -kUnlimited, kUnlimited);
     std::vector<double> C(at(record_.dof * record_.dof));
     fit_.covariance(C.data());
@@ -84,12 +84,12 @@ class Profile {
             above < to_upper ? value() + above : std::max(bound.upper, value())};
   }
 
-  /// How far it is to where the RSS has risen that much, up to `most`.
+  /// Returns the distance at which the RSS has risen by rise_; at most `most`.
   double ascend(double sign, double most, ValueSnapshot& start) {
     constexpr int small_steps = 8;
     if (!(most > 0)) return 0;
     start.restore();
-    // Each refit starts at the farthest values within the interval.
+    // Each refit starts from the farthest values inside the interval.
     auto inside = std::make_unique<ValueSnapshot>(problem_);
     double inside_at = 0;
     bool has_crossed = false;
@@ -106,7 +106,7 @@ class Profile {
         [&](double t) {
           inside->restore();
           double excess = excessAfter(inside_at, t);
-          // A long step may lead to another minimum of the rest. Small ones follow the one of the fit.
+          // A long step may lead to another minimum of the rest. Small steps follow the minimum of the fit.
           for (int k = 1; k <= small_steps && excess > 0 && !has_crossed; ++k) {
             const double from = inside_at, to = from + (t - from) / (small_steps + 1 - k);
             inside->restore();
@@ -131,7 +131,7 @@ class Profile {
   std::vector<int> components_;
   const VariableRecord& record_;
   int component_;
-  std::vector<double> x_;  // coordinates at the fit
+  std::vector<double> x_;  // at the fit
   double factor_ = 1, best_ = 0, rise_ = 0, guess_ = 0;
 };
 
@@ -164,7 +164,7 @@ void requireProbabilityOfProfile(double probability) {
 }
 
 double profileRoot(const std::function<double(double)>& f, double guess, double most) {
-  // In s = sqrt(f + 1), which is nearly proportional to t, by the Illinois variant of the false position.
+  // The unknown s = sqrt(f + 1) is nearly proportional to t. The Illinois variant of the false position finds its root.
   const auto excess = [&](double t) { return std::sqrt(std::max(0.0, f(t) + 1)) - 1; };
   double low = 0, at_low = -1, high = std::min(guess, most), at_high = excess(high);
   while (!(at_high > 0)) {

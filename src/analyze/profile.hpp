@@ -9,31 +9,31 @@
 
 namespace slom {
 
-/// What a profile asks of the estimator.
+/// Functions of the estimator that a profile needs.
 struct ProfiledFit {
   std::function<double()> variance_factor;
   std::function<bool(double variance_factor)> is_at_minimum;  ///< at the current values
-  std::function<double()> rss;                                ///< likewise
-  std::function<void(double*)> covariance;  ///< writes that of the variable, dof x dof; likewise
+  std::function<double()> rss;                                ///< at the current values
+  std::function<void(double*)> covariance;  ///< writes the variable's, dof x dof, at the current values
   std::function<double()> refit;            ///< fits all that is not fixed; returns the RSS
-  /// How many stated standard deviations of the component half the interval is, where the RSS is quadratic.
+  /// Returns half the interval in stated standard deviations of the component, for a quadratic RSS.
   std::function<double(int component)> half_width;
 };
 
-/// The interval of a component that is a coordinate, see Estimator::profile. Values, fixed components and bounds are as before when it
-/// returns or throws.
+/// Returns the interval of a component that is a coordinate, see Estimator::profile. Restores values, fixed components
+/// and bounds, also if it throws.
 ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable, int component);
 
-/// The component at `path`. Throws [slom.no-component] unless it is one, and a coordinate.
+/// Returns the component at `path`. Throws [slom.no-component] unless it is one component and a coordinate.
 int profiledComponent(const Problem& problem, int variable, const std::string& path);
-/// Whether the component is a coordinate of a vector, so that it has a profile.
+/// Returns whether the component is a coordinate of a vector, so that it has a profile.
 bool isCoordinate(const Problem& problem, int variable, int component);
 
-/// Throws [slom.bad-option] unless it is between 0 and 1.
+/// Throws [slom.bad-option] unless the probability is between 0 and 1.
 void requireProbabilityOfProfile(double probability);
 
-/// The root of a function that grows with t > 0, is -1 at 0 and about (t / guess)^2 - 1, up to 1000 guesses; infinite beyond.
-/// `most` where the function, which is not evaluated beyond, is not positive up to there.
+/// Returns the root of a function that grows with t > 0, is -1 at 0 and about (t / guess)^2 - 1. Searches up to about
+/// 1000 guesses; infinite beyond. Returns `most` if f is not positive up to there; f is not evaluated beyond `most`.
 double profileRoot(const std::function<double(double)>& f, double guess, double most);
 
 }  // namespace slom

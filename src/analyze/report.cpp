@@ -37,7 +37,7 @@ std::string groupTable(const Summary& summary) {
                        summary.initial_rss, summary.final_rss);
 }
 
-/// A line for each loss of the group, or one for all when there are many.
+/// Returns a line for each loss of the group, or one line for all if there are many.
 std::string lossLines(const GroupSummary& group) {
   constexpr std::size_t kMostLines = 4;
   std::vector<LossSummary> losses = group.losses;
@@ -101,7 +101,7 @@ std::string parameterTable(const Summary& summary) {
   return text;
 }
 
-/// The chi-squares of single groups.
+/// Returns the chi-squares of single groups.
 std::string groupChiSquares(const Summary& summary) {
   std::string text;
   if (summary.groups.size() < 2 || summary.hasLosses()) return text;
@@ -114,7 +114,8 @@ std::string groupChiSquares(const Summary& summary) {
   return text;
 }
 
-/// What the standard deviations of measurements are; where none was stated, what the residuals say of the 1 that stands in for them.
+/// Describes the standard deviations of measurements. If none was stated, 1 stands in, and the text says what the
+/// residuals imply.
 std::string sigmaWords(const Summary& summary) {
   const double factor = std::sqrt(summary.chi2PerDof());
   const bool states_none = summary.stated_noise == StatedNoise::none;

@@ -20,11 +20,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Directions of a residual in which Q is smaller are determined by nothing but the measurement itself.
+/// Eigenvalue of Q below which only the measurement itself determines that direction of its residual.
 constexpr double kUnchecked = 1e-8;
 constexpr int kMeasurementsPerTask = 64;
 
-/// The factor that divides chi-squares, and the redundancy of the residuals that it comes from; 0: it is known.
+/// The factor that divides chi-squares, and the redundancy of the residuals that it is estimated from; 0: it is known.
 struct VarianceFactor {
   double value = 1;
   double redundancy = 0;
@@ -32,10 +32,10 @@ struct VarianceFactor {
 
 struct Test {
   double ratio;  ///< chi-square over its degrees of freedom, in units of the factor of all other residuals
-  double probability;  ///< that good measurements have such a ratio or a larger one
+  double probability;  ///< p-value: that good measurements have a ratio at least as large
 };
 
-/// `chi2`: in units of the factor. If that comes from these residuals alone, nothing can be said of them.
+/// Tests `chi2`, given in units of the factor. If the factor comes from these residuals alone, the p-value is 1.
 Test testOf(double chi2, double dof, const VarianceFactor& factor) {
   if (factor.redundancy == 0) return {chi2 / dof, chiSquareProbability(chi2, dof)};
   const double rest = factor.redundancy - dof;
@@ -70,7 +70,7 @@ class GroupExamination {
   }
 
  private:
-  /// J C J^T of measurement i.
+  /// Returns J C J^T of measurement i.
   MatrixXd leverage(int i) const {
     const Index rows = rows_.residual(group_, i).size();
     MatrixXd result = MatrixXd::Zero(rows, rows), C;
@@ -122,11 +122,11 @@ class GroupExamination {
   const InverseBlocks& inverse_;
   std::size_t group_;
   const MeasurementPool& pool_;
-  const JacobianRows& rows_;  // without losses
+  const JacobianRows& rows_;  // not reweighted by losses
   VarianceFactor factor_;
 };
 
-/// The first `most` in this order; changes that of `all`.
+/// Returns the first `most` in this order. Changes the order of `all`.
 template <class Order>
 std::vector<MeasurementCheck> firstOf(std::vector<MeasurementCheck>& all, std::size_t most,
                                       const Order& order) {
@@ -135,7 +135,7 @@ std::vector<MeasurementCheck> firstOf(std::vector<MeasurementCheck>& all, std::s
   return {all.begin(), end};
 }
 
-/// `group` has its name.
+/// Summarizes the results of a group; `group` holds its name.
 GroupCheck summarized(std::vector<GroupExamination::Result> results, GroupCheck group,
                       const OutlierOptions& options, double significance, const VarianceFactor& factor) {
   group.measurements = static_cast<int>(results.size());
@@ -175,7 +175,8 @@ OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierO
   int count = 0;
   for (const auto& pool : problem.pools()) count += pool->size();
   report.significance = options.significance / std::max(1, count);
-  // Weights of losses keep errors out of the factor, and residuals of zero hide none in it.
+  // If there are losses, their weights keep errors out of the factor, so it counts as known. So does a factor of 0, in
+  // which no error can hide.
   const bool has_losses =
       std::ranges::any_of(problem.pools(), [](const auto& pool) { return pool->lossCount() > 0; });
   const VarianceFactor factor{variance_factor, has_losses || !(variance_factor > 0) ? 0.0 : redundancy};

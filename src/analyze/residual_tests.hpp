@@ -1,4 +1,4 @@
-/// What each residual says of its measurement, given how sure the fit is.
+/// Tests of single residuals against the uncertainty of the fit.
 #pragma once
 
 #include "analyze/linearized_problem.hpp"
@@ -7,12 +7,12 @@
 
 namespace slom {
 
-/// Throws what LinearizedProblem::inverse throws. `variance_factor` divides chi-squares; where it comes from the residuals, `redundancy` is
-/// theirs, otherwise 0.
+/// Tests the residuals. `variance_factor` divides chi-squares. If it comes from the residuals, pass their `redundancy`,
+/// otherwise 0. Throws the errors of LinearizedProblem::inverse.
 OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierOptions& options,
                              double variance_factor, int redundancy = 0, FreeGauge gauge = FreeGauge::error);
 
-/// The orders of OutlierReport::ranking and of GroupCheck::least_checkable.
+/// Comparisons that order OutlierReport::ranking and GroupCheck::least_checkable.
 bool lessProbable(const MeasurementCheck& a, const MeasurementCheck& b);
 bool lessCheckable(const MeasurementCheck& a, const MeasurementCheck& b);
 

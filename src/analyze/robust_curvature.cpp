@@ -5,7 +5,7 @@
 namespace slom {
 
 namespace {
-constexpr double kLeastBend = 0.25;  // D of src/linearize/reweight.hpp, below which H leaves the bend out
+constexpr double kLeastBend = 0.25;  // D of src/linearize/reweight.hpp, below which H omits the bend
 constexpr double kPrecision = 1e-8;  // relative, of the columns
 constexpr int kMostIterations = 100;
 }  // namespace
@@ -42,7 +42,7 @@ Eigen::MatrixXd RobustCurvature::times(const Eigen::MatrixXd& X) const {
   return result;
 }
 
-/// X = Z + H^-1 E X, which converges where H - E is positive definite.
+/// Iterates X = Z + H^-1 E X. Converges if H - E is positive definite.
 bool RobustCurvature::correct(FreeGauge gauge, Eigen::MatrixXd& Z) const {
   if (isZero()) return true;
   const Eigen::VectorXd scale = linearized_.diagonal().cwiseSqrt();

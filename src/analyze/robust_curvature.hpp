@@ -1,4 +1,4 @@
-/// How the curvature of a robust cost differs from the H by which it is fitted.
+/// Difference between the curvature of a robust cost and the H with which the cost is fitted.
 #pragma once
 
 #include <vector>
@@ -9,17 +9,19 @@
 
 namespace slom {
 
-/// Where a loss is nearly or truly concave along the residual, H counts the measurement by its weight alone (src/linearize/reweight.hpp), and
-/// so more than the cost curves: the Hessian of the cost is H - E, E = sum 2 |rho''| J^T r r^T J over those measurements. By how much an
-/// estimate follows its data is (H - E)^-1, which a sandwich has to take.
+/// The correction E of H. If a loss is concave or nearly concave along the residual, H counts the measurement by its
+/// weight alone (src/linearize/reweight.hpp), which is more than the curvature of the cost. The Hessian of the cost is
+/// H - E with E = sum 2 |rho''| J^T r r^T J over those measurements. An estimate follows its data by (H - E)^-1, so
+/// sandwich covariances need it.
 ///   source   Huber and Ronchetti, "Robust statistics", 2009, sections 3.2 and 7.6
 class RobustCurvature {
  public:
   explicit RobustCurvature(const LinearizedProblem& linearized);
 
-  /// Whether E is 0.
+  /// Returns whether E is 0.
   bool isZero() const { return terms_.empty(); }
-  /// (H - E)^-1 B for Z = H^-1 B; false, with Z as it was, where the cost is not convex enough for that.
+  /// Replaces Z = H^-1 B by (H - E)^-1 B. If the cost is not convex enough for that, returns false and leaves Z
+  /// unchanged.
   bool correct(FreeGauge gauge, Eigen::MatrixXd& Z) const;
 
  private:

@@ -23,7 +23,7 @@ std::string unknownName(const Problem& problem, const ProblemStructure& structur
 
 Error singularError(const Problem& problem, const ProblemStructure& structure, const SolveStatus& status) {
   const bool is_named = status.unknown >= 0 && status.unknown < structure.system.unknowns();
-  if (!is_named) {  // the solver is a user's own
+  if (!is_named) {  // the solver is the user's own
     return {
         "slom.rank-deficient",
         "the solver found no unique solution and does not name an unknown; diagnose() lists what is not determined"};

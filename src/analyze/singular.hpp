@@ -1,4 +1,4 @@
-/// Why a linear system could not be solved, in the user's names.
+/// Reasons why a linear system could not be solved, with the user's names.
 #pragma once
 
 #include <string>
@@ -9,20 +9,21 @@
 
 namespace slom {
 
-/// `left2world #3.orient.z`: the component of a variable that an unknown of the linear system is.
+/// Returns the name of an unknown of the linear system: variable and component, such as `left2world #3.orient.z`.
 std::string unknownName(const Problem& problem, const ProblemStructure& structure, int unknown);
 
-/// Why the linear system could not be solved, as an error with a remedy: [slom.unmeasured-variable] or
-/// [slom.rank-deficient].
+/// Returns the reason why the linear system could not be solved, as an error with a remedy: [slom.unmeasured-variable]
+/// or [slom.rank-deficient].
 Error singularError(const Problem& problem, const ProblemStructure& structure, const SolveStatus& status);
 
-/// The sentence on a variable that no measurement depends on.
+/// Returns the sentence about a variable that no measurement depends on.
 std::string unmeasured(const std::string& name);
 
-/// A sentence for each optimised variable that no measurement depends on.
+/// Returns a sentence for each optimised variable that no measurement depends on.
 std::vector<std::string> unmeasuredVariables(const Problem& problem);
 
-/// The first line of what is said of values at which a fit has ended without having converged, for this reason; empty without one.
+/// Returns the first line of reports on a fit that ended without convergence, for this reason; empty if `reason` is
+/// empty.
 std::string unconvergedLine(const std::string& reason);
 
 }  // namespace slom

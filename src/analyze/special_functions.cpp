@@ -6,7 +6,7 @@
 
 namespace slom {
 
-// In C libraries with lgamma_r, lgamma writes to a variable that all threads share.
+// In C libraries with lgamma_r, lgamma writes to a variable shared by all threads.
 double logGamma(double a) {
 #ifdef _WIN32
   return std::lgamma(a);
@@ -16,7 +16,7 @@ double logGamma(double a) {
 #endif
 }
 
-// By Lentz's evaluation; converges fast for x < (a + 1) / (a + b + 2).
+// Evaluates the fraction by Lentz's method; converges fast for x < (a + 1) / (a + b + 2).
 double betaFraction(double a, double b, double x) {
   constexpr int most_terms = 100000;
   constexpr double tiny = 1e-300, epsilon = 1e-16;
@@ -39,7 +39,7 @@ double betaFraction(double a, double b, double x) {
 }
 
 double fProbability(double f, double p, double q) {
-  constexpr double many = 1e8;  // from here on F times p is chi-square to 1e-8
+  constexpr double many = 1e8;  // from here on, F times p is chi-square to 1e-8
   if (!(f > 0)) return 1;
   if (std::isinf(f)) return 0;
   if (!(q < many)) return chiSquareProbability(p * f, p);

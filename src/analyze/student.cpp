@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kNormalDof = 1e8;  // beyond, t and the normal distribution agree to 1e-8
 
-/// ln (Gamma(a + 1/2) / Gamma(a)), for a > 0: upwards by the recurrence, where the asymptotic series has 15 digits.
+/// Returns ln (Gamma(a + 1/2) / Gamma(a)), for a > 0. A recurrence raises a to 40, where the asymptotic series has 15
+/// digits.
 double logGammaStep(double a) {
   double sum = 0;
   for (; a < 40; ++a) sum -= std::log((a + 0.5) / a);

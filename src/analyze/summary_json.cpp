@@ -1,4 +1,4 @@
-// A summary as JSON (RFC 8259), written by hand so that the library needs no library for it.
+// A summary as JSON (RFC 8259), written by hand so that the library needs no JSON library.
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -12,7 +12,7 @@ namespace slom {
 
 namespace {
 
-/// Bytes of the character of UTF-8 (RFC 3629) that begins the text; 0: none does.
+/// Returns the number of bytes of the UTF-8 character (RFC 3629) that begins the text; 0 if there is none.
 std::size_t lengthOfCharacter(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = byte(0);
@@ -25,14 +25,14 @@ std::size_t lengthOfCharacter(std::string_view text) {
   for (std::size_t i = 1; i < length; ++i) {
     if ((byte(i) & 0xC0U) != 0x80) return 0;
   }
-  // No longer forms than needed, no surrogates, nothing beyond U+10FFFF.
+  // Excluded are overlong forms, surrogates, and code points beyond U+10FFFF.
   const bool is_excluded =
       length > 2 && ((first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F) ||
                      (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F));
   return is_excluded ? 0 : length;
 }
 
-/// In quotes. Bytes that are not UTF-8 become U+FFFD.
+/// Returns the text in quotes. Bytes that are not UTF-8 become U+FFFD.
 std::string jsonText(std::string_view text) {
   constexpr char digits[] = "0123456789abcdef";
   std::string json = "\"";
@@ -54,7 +54,7 @@ std::string jsonText(std::string_view text) {
   return json + "\"";
 }
 
-/// With as many digits as give the same double again; null where it is not finite.
+/// Writes x with the digits that give the same double again; null if x is not finite.
 std::string jsonNumber(double x) {
   if (!std::isfinite(x)) return "null";
   if (x == 0) return std::signbit(x) ? "-0.0" : "0";
@@ -62,7 +62,7 @@ std::string jsonNumber(double x) {
   return {text, std::to_chars(text, text + sizeof text, x).ptr};
 }
 
-/// The members of an object, or the entries of an array.
+/// Builder of the members of an object or the entries of an array.
 class JsonList {
  public:
   explicit JsonList(char open, char close) : text_(1, open), close_(close) {}
@@ -85,7 +85,7 @@ class JsonList {
 
 JsonList jsonObject() { return JsonList('{', '}'); }
 
-/// An array of f(entry).
+/// Returns an array of f(entry).
 template <class T, class F>
 std::string jsonArray(const std::vector<T>& entries, const F& f) {
   JsonList array('[', ']');

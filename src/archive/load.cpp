@@ -18,7 +18,7 @@ using archive_text::inQuotes, archive_text::isAtEnd, archive_text::kFirstWords, 
 
 namespace {
 
-/// Numbers may be infinite, as bounds and Barron's shape are.
+/// Reads a number, which may be infinite, such as a bound or Barron's shape.
 bool readNumber(std::istream& is, double& x) {
   std::string word;
   if (!(is >> word)) return false;
@@ -26,8 +26,7 @@ bool readNumber(std::istream& is, double& x) {
   return error == std::errc() && end == word.data() + word.size();
 }
 
-/// What is wrong with the numbers of a text that was written with the locale of a language whose decimals
-/// follow a comma.
+/// Returns a hint about numbers written with a decimal comma, as some languages' locales do; otherwise empty.
 std::string commaIn(const std::string& text) {
   const auto is_digit = [&](std::size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
   for (std::size_t comma = text.find(','); comma != std::string::npos; comma = text.find(',', comma + 1)) {
@@ -69,7 +68,7 @@ class ArchiveReader {
                 source_ + ":" + std::to_string(line_number_));
   }
 
-  /// Blank lines and lines that begin with # are skipped.
+  /// Reads the next line. Skips blank lines and lines that begin with #.
   bool nextLine() {
     while (std::getline(is_, text_)) {
       ++line_number_;
@@ -221,7 +220,7 @@ class ArchiveReader {
     });
   }
 
-  /// The variables of a measurement over a list, up to the bar.
+  /// Reads the variables of a measurement over a list, up to the bar.
   void readList() {
     while ((line_ >> std::ws) && std::isdigit(line_.peek()) != 0) {
       const StoredProblem::Entry& entry = result_.entries_[at(readVariableNumber())];
@@ -231,7 +230,7 @@ class ArchiveReader {
     line_.clear();
   }
 
-  /// What of the line has not been read yet.
+  /// Returns the part of the line that has not been read yet.
   std::istream& rest() {
     std::string text;
     std::getline(line_, text);
@@ -249,7 +248,7 @@ class ArchiveReader {
     if (!(line_ >> word) || word != "|") raise("a | is missing after " + before);
   }
 
-  /// The noise, which needs the length of no residual to be read, and the loss, up to the second bar.
+  /// Reads the noise and the loss, up to the second bar. Reading the noise does not require the length of the residual.
   void readOptions() {
     std::string word;
     line_ >> word;
@@ -278,7 +277,7 @@ class ArchiveReader {
     setNoise(kind);
   }
 
-  /// A group: the name of its dimension and its key, a number or a text in quotes.
+  /// Reads a group: the name of its dimension and its key, a number or a text in quotes.
   void readGroup() {
     StoredGroup group;
     line_ >> std::ws;
@@ -290,7 +289,7 @@ class ArchiveReader {
     groups_.push_back(std::move(group));
   }
 
-  /// Puts the measurement that was inserted last into the groups that were read.
+  /// Puts the measurement inserted last into the groups that were read.
   void assignGroups(std::uint64_t revision_before) {
     if (groups_.empty()) return;
     std::vector<Group> groups;
@@ -333,7 +332,7 @@ class ArchiveReader {
     }
   }
 
-  /// f(), whose errors get the line before them.
+  /// Calls f() and prefixes its errors with the line.
   template <class F>
   void withLine(const F& f) const {
     try {
@@ -354,7 +353,7 @@ class ArchiveReader {
   int line_number_ = 0;
   const detail::StoredVariable* variable_kind_ = nullptr;
   const detail::StoredMeasurement* measurement_kind_ = nullptr;
-  std::vector<int> indices_;  // in the problem, by number in the file
+  std::vector<int> indices_;  // indices in the problem, by number in the file
   std::vector<VariableHandle> handles_;
   std::vector<const detail::StoredVariable*> kinds_;  // the types of these variables, for a list
   std::vector<double> noise_;

@@ -1,5 +1,5 @@
-/// GaussianPriors in an archive: the linearisation points of all variables, the number of rows, R row by row, b, and `first_estimates` where
-/// the prior has them.
+/// GaussianPriors in an archive: the linearisation points of all variables, the number of rows, R row by row, b, and
+/// `first_estimates` if the prior has them.
 #include <istream>
 #include <ostream>
 #include <string>
@@ -13,7 +13,7 @@ namespace slom {
 
 namespace {
 
-/// The linearisation points as they are read. Without handles only their sizes are.
+/// The linearisation points in the order in which they are read. Without handles, only their sizes are kept.
 struct Points {
   const VariableHandle* next;
   std::vector<detail::StoredValue> values;
@@ -28,7 +28,7 @@ struct Points {
 
 constexpr const char* kFirstEstimates = "first_estimates";
 
-/// Reads the word, where there is one; false for another word.
+/// Reads the word if there is one. Returns false for another word.
 bool readFirstEstimates(std::istream& is, bool& has_first_estimates) {
   std::string word;
   has_first_estimates = static_cast<bool>(is >> word);
@@ -36,7 +36,7 @@ bool readFirstEstimates(std::istream& is, bool& has_first_estimates) {
   return !has_first_estimates || word == kFirstEstimates;
 }
 
-/// Appends `count` numbers; false when the stream has fewer.
+/// Appends `count` numbers. Returns false if the stream has fewer.
 bool readNumbers(std::istream& is, long count, std::vector<double>& numbers) {
   for (double x = 0; count > 0 && is >> x; --count) numbers.push_back(x);
   return count == 0;

@@ -16,10 +16,10 @@ using archive_text::inQuotes, archive_text::isAtEnd;
 
 namespace {
 
-/// The number with all its digits.
+/// Returns the number with all its digits.
 std::string exact(double x) { return number(x, std::numeric_limits<double>::max_digits10); }
 
-/// Writes one thing and makes sure that it can be read again.
+/// Writer that checks that each item can be read again.
 class Writer {
  public:
   explicit Writer(std::ostream& os) : os_(os) {
@@ -27,7 +27,8 @@ class Writer {
       stream->imbue(std::locale::classic());
     text_.precision(std::numeric_limits<double>::max_digits10);
   }
-  /// `write` and `read` are of one value; `subject()` names it when the text is not that of a value.
+  /// Writes a value by `write` and checks it by `read`. `subject()` names the value in the error if it cannot be read
+  /// again.
   template <class Write, class Read, class Subject>
   void add(const Write& write, const Read& read, const Subject& subject) {
     text_.str("");

@@ -1,11 +1,11 @@
-// printf and its like write decimals as the locale of C says; here always after a point.
+// Numbers in the classic locale. printf and similar functions write decimals in the C locale; here always with a point.
 #pragma once
 
 #include <locale.h>
 
 namespace slom {
 
-/// The calling thread has the classic locale of C within this scope, whatever that of the program is.
+/// A scope in which the calling thread has the classic C locale, whatever the program's locale is.
 class ClassicNumbers {
  public:
   ClassicNumbers() : before_(::uselocale(classic())) {}

@@ -1,4 +1,4 @@
-/// Adds the time from its construction to its end to a sum [s].
+/// A timer that adds its lifetime to a sum [s].
 #pragma once
 
 #include <chrono>

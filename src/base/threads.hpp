@@ -1,5 +1,5 @@
-/// Loops whose work is shared by the threads of the arena that they run in. The one header that knows oneTBB; without it
-/// (SLOM_WITH_TBB=OFF) there is one thread, and the results are the same, bitwise.
+/// Loops on the threads of the arena that they run in. Only this header knows oneTBB. Without oneTBB
+/// (SLOM_WITH_TBB=OFF) there is 1 thread, and the results are the same, bitwise.
 #pragma once
 
 #include <algorithm>
@@ -21,13 +21,13 @@
 namespace slom::detail {
 
 #ifdef SLOM_WITH_TBB
-/// The number of threads of the arena that the caller runs in.
+/// Returns the number of threads of the caller's arena.
 inline int threadCount() { return tbb::this_task_arena::max_concurrency(); }
 
-/// What is run in it uses at most its number of threads.
+/// An arena: code run in it uses at most its number of threads.
 class ThreadArena {
  public:
-  /// 0: as many as the machine has, which are also the most.
+  /// Sets the number of threads; 0, or more than the machine has: all of the machine.
   void setThreads(int threads) {
     const int most = tbb::info::default_concurrency();
     arena_.terminate();
@@ -55,9 +55,9 @@ class ThreadArena {
 #endif
 
 #if defined(MTK_THREAD_SANITIZER) && defined(SLOM_WITH_TBB)
-/// oneTBB's library is compiled without the thread sanitizer, which then sees one half of its locks and queues and reports races that
-/// are none. Under it loops run on threads of their own, so that what is judged is what their bodies do; these do not throw. The
-/// counter puts no body before another.
+/// Runs a loop on plain threads under the thread sanitizer. oneTBB's library is compiled without that sanitizer, which
+/// therefore misses some locks and queues and reports false races. With plain threads, it judges the bodies of the
+/// loops; these do not throw. The relaxed counter orders no body before another.
 template <class F>
 void runOnThreads(int count, const F& f) {
   constexpr int threads = 4;
@@ -89,8 +89,8 @@ void forEachIndex(int count, const F& f) {
   for (int i = 0; i < count; ++i) f(i);
 }
 
-/// Cuts [0, n) into `parts` ranges of about the same work and runs f(first, last) for each. work: n + 1 entries, that of
-/// all indices before each.
+/// Cuts [0, n) into `parts` ranges of about the same work and runs f(first, last) for each. work[i] is the total work
+/// of all indices before i; n + 1 entries.
 template <class F>
 void forEachRange(const std::vector<double>& work, int parts, const F& f) {
   const auto begin = [&](int part) {

@@ -6,13 +6,13 @@
 
 namespace slom {
 
-/// `3 poses`, `1 pose`
+/// Returns `3 poses` or `1 pose`.
 std::string counted(int count, const std::string& noun);
-/// `a`, `a and b`, `a, b and c`; of more than `most` the first ones `and 7 more`.
+/// Returns `a`, `a and b` or `a, b and c`. Of more than `most` items, the first ones and `and 7 more`.
 std::string listed(const std::vector<std::string>& items, std::size_t most = 4);
-/// `pose 0, pose 1, ..., pose 9`: the first two and the last of many.
+/// Returns `pose 0, pose 1, ..., pose 9`: of many items the first two and the last.
 std::string abridged(const std::vector<std::string>& items);
-/// `0.125`: the number with at most `digits` significant digits.
+/// Returns the number with at most `digits` significant digits: `0.125`.
 std::string number(double x, int digits = 3);
 
 }  // namespace slom

@@ -7,7 +7,7 @@
 
 namespace slom {
 
-/// Fits without each group of the first way, by the estimator's algorithm.
+/// Fits without each group of the first way, with the estimator's algorithm.
 GroupRefits Estimator::State::refitGroups(const ClusterOptions& options) {
   if (gauge == FreeGauge::inner_constraints &&
       analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); }) > 0) {
@@ -21,7 +21,7 @@ GroupRefits Estimator::State::refitGroups(const ClusterOptions& options) {
   const auto fit = [&] {
     try {
       return optimize(*algorithm, Options{.most_parameters = 0}).converged;
-    } catch (const Error&) {  // no derivative at some values on the way
+    } catch (const Error&) {  // some values on the way have no derivative
       return false;
     }
   };

@@ -1,4 +1,4 @@
-// Variance components of a fit, and what takes them over.
+// Variance components of a fit, and the functions that apply them.
 #include "analyze/variance/estimate_components.hpp"
 #include "base/index.hpp"
 #include "base/words.hpp"

@@ -63,7 +63,7 @@ std::string Estimator::nameOf(const MeasurementHandle& id) const {
 }
 
 namespace {
-/// Enough to leave a singular start.
+/// Returns enough iterations to leave a singular start.
 int fewIterations(const Options& options) {
   constexpr int few = 300;
   return options.max_iterations == Options::kByTheSize ? few : std::min(options.max_iterations, few);
@@ -167,7 +167,7 @@ void Estimator::changeAlgorithm(Algorithm* algorithm) {
                 "DogLeg",
                 "changeAlgorithm");
   }
-  std::unique_ptr<Algorithm> owned(algorithm);  // also where there is no state
+  std::unique_ptr<Algorithm> owned(algorithm);  // owned even if there is no state
   state_->algorithm = std::move(owned);
 }
 
@@ -276,7 +276,7 @@ Marginals Estimator::marginals() const {
       [&](const LinearizedProblem& linearized) { return makeMarginals(linearized, state_->gauge, factor); });
 }
 
-/// Whitened, residuals x unknowns, column-major.
+/// Writes the whitened Jacobian, residuals x unknowns, column-major.
 void Estimator::writeJacobian(double* J) const {
   const Eigen::MatrixXd all = state_->analyze([](const LinearizedProblem& linearized) {
     const Eigen::Index n = linearized.structure().system.unknowns();
@@ -294,7 +294,7 @@ void Estimator::setSigma(Sigma sigma) { state_->sigma = sigma; }
 Sigma Estimator::sigma() const { return state_->sigma; }
 
 int Estimator::State::redundancy() {
-  // With FreeGauge::error there are no covariances where directions are free.
+  // With FreeGauge::error there are no covariances if directions are free.
   const bool may_be_free = gauge == FreeGauge::inner_constraints;
   return analyze([&](const LinearizedProblem& linearized) {
     return linearized.structure().residuals - linearized.freeUnknowns() +
@@ -322,7 +322,7 @@ bool Estimator::State::isAtMinimum(double variance_factor) {
   return run([&] {
     evaluator.linearize();
     const Evaluator::Promise promise =
-        evaluator.promise();  // residuals that are rounding errors have any direction
+        evaluator.promise();  // residuals that are rounding errors may have any direction
     const double near = std::max(kAtMinimum, problem.largestStatedStep());
     return promise.is_known && promise.decrease <= near * near * variance_factor;
   });
@@ -339,7 +339,7 @@ Diagnosis Estimator::diagnose() const {
   Diagnosis result =
       state_->analyze([](const LinearizedProblem& linearized) { return linearized.diagnosis(); });
   result.unconverged = state_->whyUnconverged();
-  for (Finding& finding : result.findings)  // what is free is meant to be
+  for (Finding& finding : result.findings)  // a free gauge is intended, so it is no fault
     finding.is_fault =
         finding.is_fault && !(finding.kind == Finding::Kind::gauge && state_->gauge != FreeGauge::error);
   if (state_->sigma == Sigma::estimated)

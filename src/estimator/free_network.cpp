@@ -1,4 +1,4 @@
-// Fits of free networks: values that lie as near to the start values as the measurements allow.
+// Fits of free networks: the values are as near to the start values as the measurements allow.
 #include "analyze/free_network.hpp"
 
 #include <algorithm>
@@ -17,10 +17,10 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// Holds as many components as the network has free directions, so that the others are determined: a minimal datum.
+/// A minimal datum: fixes as many components as the network has free directions, so that the others are determined.
 class MinimalDatum {
  public:
-  /// `is_held`: by unknown of the structure, positive where it is to be held.
+  /// Fixes the unknowns of the structure for which `is_held` is positive.
   MinimalDatum(Problem& problem, const ProblemStructure& structure, const VectorXd& is_held)
       : problem_(problem) {
     for (int unknown = 0; unknown < static_cast<int>(is_held.size()); ++unknown) {
@@ -41,7 +41,7 @@ class MinimalDatum {
   std::map<int, std::vector<int>> held_;  // components by variable
 };
 
-/// What has been moved since the snapshot, by unknown of the structure.
+/// Returns the movement since the snapshot, by unknown of the structure.
 VectorXd movedSince(const ValueSnapshot& start, const Problem& problem, const ProblemStructure& structure) {
   VectorXd moved = VectorXd::Zero(structure.system.unknowns());
   for (int v = 0; v < structure.system.blockCount(); ++v) {
@@ -89,12 +89,12 @@ void Estimator::State::goOn(Summary& summary, Summary later) {
   }
 }
 
-/// Fits with a minimal datum, which determines all else; moves the network along its free directions onto the start values; fits again what a long
-/// move has bent. The datum that was held does not show in the result.
+/// Fits with a minimal datum, which determines everything else. Then moves the network along its free directions onto
+/// the start values. Repeats both, because a long move bends the network. The result does not depend on the datum.
 ///   source   Baarda, "S-transformations and criterion matrices", 1973
 Summary Estimator::State::fitFreeNetwork(const Fit& fit, std::unique_ptr<FreeNetwork> network) {
   constexpr int most_rounds = 20;
-  constexpr double kAtRest = 1e-12;  // of the typical sizes of the unknowns
+  constexpr double kAtRest = 1e-12;  // relative to the typical sizes of the unknowns
   const ValueSnapshot start(problem);
   Summary summary;
   for (int round = 0; round < most_rounds; ++round) {

@@ -1,4 +1,4 @@
-// Confidence intervals: of one component, and of all.
+// Confidence intervals of one component, and of all.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,8 +13,8 @@
 
 namespace slom {
 
-/// How many stated standard deviations of a component half its interval is, where the RSS is quadratic. Computed here and now for all components, as
-/// `clustered` answers no more once a profile has moved the values.
+/// Returns half the interval in stated standard deviations, as a function of the component, for a quadratic RSS.
+/// Computes all components now, because `clustered` is stale once a profile has moved the values.
 Estimator::HalfWidth Estimator::halfWidth(int variable, double probability, const Clustered* clustered) {
   requireProbabilityOfProfile(probability);
   if (clustered == nullptr) {

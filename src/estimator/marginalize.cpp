@@ -1,5 +1,5 @@
-// Marginalisation: variables and their measurements are replaced by priors on the variables that those measurements share with them;
-// and these priors by themselves.
+// Marginalisation: priors replace variables and their measurements. The priors depend on the variables that those
+// measurements share with the rest. Also these priors alone.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -11,11 +11,11 @@
 
 namespace slom {
 
-/// Priors that are linearised where their rows were.
+/// Maker of priors that are linearised at the points where their rows were.
 class MarginalPrior {
  public:
-  /// The rows R d + b are those at the linearisation points x0 of their variables x, and d = 0 at the current values: as a function of x they
-  /// are R (x [-] x0) + b', with b' = b - R (x_now [-] x0).
+  /// Returns the prior for the rows R d + b. The rows are those at the linearisation points x0 of their variables x,
+  /// and d = 0 at the current values. As a function of x they are R (x [-] x0) + b', with b' = b - R (x_now [-] x0).
   static GaussianPrior of(const Problem& problem, const InformationFactor& factor) {
     std::vector<AnyVarID> left;
     Eigen::VectorXd moved(factor.R.cols());
@@ -34,7 +34,7 @@ class MarginalPrior {
 };
 
 namespace {
-/// Places in the problem's table, ascending, each once.
+/// Returns the places in the problem's table, ascending and without duplicates.
 std::vector<int> indicesOf(const Problem& problem, const std::vector<AnyVarID>& ids) {
   std::vector<int> variables;
   for (const AnyVarID& id : ids) variables.push_back(problem.indexOf(static_cast<const VariableHandle&>(id)));
@@ -43,7 +43,7 @@ std::vector<int> indicesOf(const Problem& problem, const std::vector<AnyVarID>& 
   return variables;
 }
 
-/// What is left of the measurements when the variables are eliminated.
+/// Returns the priors that remain of the measurements after the variables are eliminated.
 std::vector<GaussianPrior> priorsOf(const Problem& problem, Linearizer& linearizer,
                                     const std::vector<MeasurementIndex>& measurements,
                                     const std::vector<int>& variables) {
@@ -53,20 +53,20 @@ std::vector<GaussianPrior> priorsOf(const Problem& problem, Linearizer& lineariz
   return priors;
 }
 
-/// Inserts all of them or, where that throws, none.
+/// Inserts all priors; if that throws, inserts none.
 std::vector<MeasID<GaussianPrior>> insertAll(Estimator& estimator, std::vector<GaussianPrior> priors) {
   std::vector<MeasID<GaussianPrior>> ids;
   ids.reserve(priors.size());
   try {
     for (GaussianPrior& prior : priors) ids.push_back(estimator.insertMeasurement(std::move(prior)));
-  } catch (...) {  // memory is short
+  } catch (...) {  // out of memory
     for (const MeasID<GaussianPrior>& id : ids) estimator.removeMeasurement(id);
     throw;
   }
   return ids;
 }
 
-/// Puts the priors into the groups that all measurements are in.
+/// Puts the priors into the groups that all of the measurements share.
 void keepGroups(Problem& problem, const std::vector<MeasurementIndex>& measurements,
                 const std::vector<MeasID<GaussianPrior>>& priors) {
   const int dimensions = problem.groups() == nullptr ? 0 : problem.groups()->dimensionCount();
@@ -87,7 +87,7 @@ void keepGroups(Problem& problem, const std::vector<MeasurementIndex>& measureme
 
 void removeEliminated(Problem& problem, const std::vector<MeasurementIndex>& measurements,
                       const std::vector<int>& variables) {
-  // Starts with the last one, as the last one of a pool takes the place of a removed one.
+  // The loop runs backwards, because the last measurement of a pool takes the place of a removed one.
   for (auto m = measurements.rbegin(); m != measurements.rend(); ++m) {
     problem.removeMeasurement(*problem.pools()[static_cast<std::size_t>(m->first)], m->second);
   }

@@ -1,4 +1,4 @@
-/// What an estimator owns: the problem, its linearisation, the solver, the algorithm and the choices of the user.
+/// State of an estimator: the problem, its linearisation, the solver, the algorithm and the user's settings.
 #pragma once
 
 #include <functional>
@@ -24,72 +24,73 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   std::unique_ptr<LinearSolver> solver = std::make_unique<BlockSolver>();
   std::unique_ptr<Algorithm> algorithm = std::make_unique<GaussNewton>();
   detail::ThreadArena arena;
-  int threads = 0;                             ///< as setThreads got them
-  std::shared_ptr<LinearizedProblem> current;  ///< null: none, or out of date
+  int threads = 0;                             ///< as passed to setThreads
+  std::shared_ptr<LinearizedProblem> current;  ///< null: none, or outdated
   std::unique_ptr<OnlineFit> online;           ///< null: update() was never called
   Sigma sigma = Sigma::known;
   FreeGauge gauge = FreeGauge::error;
-  std::string unconverged;  ///< why the last fit has not converged; empty: it has
+  std::string unconverged;  ///< reason why the last fit did not converge; empty: it converged
   std::uint64_t unconverged_values = 0, unconverged_structure = 0;  ///< revisions where it ended
   GivenDerivatives given_derivatives;
 
   State() { evaluator.setSolver(*solver); }
 
-  /// Makes `copy`, which is new, a copy of this one, as Estimator::clone() says.
+  /// Turns `copy`, which is new, into a copy of this state, see Estimator::clone().
   void copyTo(State& copy) const;
-  /// f(), on as many threads as setThreads said.
+  /// Returns f(), run on the number of threads given to setThreads.
   template <class F>
   auto run(const F& f) {
     return arena.run(f);
   }
 
-  /// The problem linearised at the current values, for all analyses there together.
+  /// Returns the problem linearised at the current values, shared by all analyses at these values.
   const LinearizedProblem& linearized() {
     if (current == nullptr || !current->isCurrent())
       current = std::make_shared<LinearizedProblem>(problem, evaluator);
     return *current;
   }
-  /// f(linearized()), on as many threads as setThreads said.
+  /// Returns f(linearized()), run on the number of threads given to setThreads.
   template <class F>
   auto analyze(const F& f) {
     return run([&] { return f(linearized()); });
   }
 
-  /// A fit by this algorithm from the current values.
+  /// Fits by this algorithm from the current values.
   Summary optimize(Algorithm& by, const Options& options);
   using Fit = std::function<Summary()>;
-  /// The free network at the current values; null: no direction is free, or more than the gauge.
+  /// Returns the free network at the current values; null if no direction is free, or more than the gauge.
   std::unique_ptr<FreeNetwork> freeNetwork();
   /// Returns whether the measurements leave directions free and FreeGauge::inner_constraints chooses the values there.
   bool isFreeNetwork();
-  /// Takes over the end of a later fit, which went on where the one of `summary` has ended.
+  /// Updates `summary` with a later fit that continued from the end of the fit of `summary`.
   static void goOn(Summary& summary, Summary later);
-  /// Fits it by `fit` to the values with the smallest distance from the start.
+  /// Fits the network by `fit` to the values with the smallest distance from the start.
   Summary fitFreeNetwork(const Fit& fit, std::unique_ptr<FreeNetwork> network);
-  /// Whether the fit ended at its start because that leaves directions free that are no gauge, and that are fewer after a step along one.
+  /// Returns whether the fit ended at its start because directions other than the gauge are free there, and fewer are
+  /// free after a step along one.
   bool isSingularStart(const Summary& summary);
-  /// After a fit that ended where an unknown has no effect: leaves that place by Levenberg-Marquardt and fits again. Values and `summary`
-  /// stay if that does not converge. `why`: what is wrong with the start, for a warning.
+  /// Leaves, by Levenberg-Marquardt, a place where an unknown has no effect, and fits again. If that does not converge,
+  /// values and `summary` stay. `why` says in the warning what is wrong with the start.
   void fitFromNearer(const Fit& fit, const Fit& by_damping, const char* why, Summary& summary);
-  /// Why the fit that has led to the current values has not converged; empty: it has, or there was none.
+  /// Returns why the fit to the current values did not converge; empty if it did, or if there was no fit.
   std::string whyUnconverged() const {
     const bool is_there =
         problem.valueRevision() == unconverged_values && problem.structureRevision() == unconverged_structure;
     return is_there ? unconverged : "";
   }
-  /// Residuals less what the unknowns take of them, for the variance factor.
+  /// Returns the redundancy for the variance factor: residuals minus the unknowns that they determine.
   int redundancy();
-  /// Which standard deviations tests of residuals use, in a sentence; empty: those that are stated.
+  /// Returns a sentence about the standard deviations in tests of residuals; empty if the stated ones are used.
   std::string noiseOfTests(double variance_factor) const;
-  /// The variance factor that covariances are multiplied by: 1, or estimated from the residuals. Throws [slom.no-redundancy].
+  /// Returns the variance factor of covariances: 1, or estimated from the residuals. Throws [slom.no-redundancy].
   double varianceFactor();
-  /// Whether the current values count as a minimum, for statements that hold at one alone.
+  /// Returns whether the current values count as a minimum, for statements that hold only there.
   bool isAtMinimum(double variance_factor);
-  /// How far values move without each group of the first way; they come back.
+  /// Returns the movement of the values in fits without each group of the first way. Restores the values.
   GroupRefits refitGroups(const ClusterOptions& options);
-  /// StepRecord::free_directions.
+  /// Returns StepRecord::free_directions.
   int freeDirectionsAfterStep(const StepOutcome& outcome);
-  /// Completes what the optimisation has filled.
+  /// Completes the summary that the optimisation filled in.
   void complete(Summary& summary, const Options& options, const RankAtEnd& rank);
 
  private:

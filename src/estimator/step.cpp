@@ -1,4 +1,4 @@
-// One step of the algorithm, and what is said of it.
+// One step of the algorithm, and its record.
 #include <ostream>
 #include <string>
 
@@ -55,7 +55,7 @@ int Estimator::State::freeDirectionsAfterStep(const StepOutcome& outcome) {
     return StepRecord::kNotCounted;
   try {
     return analyze([](const LinearizedProblem& linearized) { return linearized.freeDirections(); });
-  } catch (const Error&) {  // there are no derivatives where the step has led to
+  } catch (const Error&) {  // no derivatives at the end of the step
     return StepRecord::kNotCounted;
   }
 }

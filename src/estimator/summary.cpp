@@ -1,4 +1,4 @@
-// What the summary of a fit says besides what the optimisation itself knows: sizes, a message, tables and warnings.
+// Parts of a summary that the optimisation does not know: sizes, message, tables and warnings.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -20,7 +20,7 @@ void append(std::vector<std::string>& warnings, std::vector<std::string> texts) 
   for (std::string& text : texts) warnings.push_back(std::move(text));
 }
 
-/// What is wrong, but for what other warnings say.
+/// Returns the faults that no other warning reports.
 std::vector<std::string> faultsOf(const Diagnosis& diagnosis) {
   std::vector<std::string> texts;
   for (const Finding& finding : diagnosis.findings) {
@@ -29,12 +29,12 @@ std::vector<std::string> faultsOf(const Diagnosis& diagnosis) {
   return texts;
 }
 
-/// Whether a fit may take more time for what is said of it.
+/// Returns whether time is left to analyse the fit.
 bool hasTime(const Summary& summary, const Options& options) {
   return summary.seconds < options.max_seconds / 2 && !(options.should_stop && options.should_stop());
 }
 
-/// Of the measurements that there are; `all` where there are none.
+/// Returns the kind for the present measurements; `all` if there are none.
 StatedNoise statedNoise(const Problem& problem) {
   if (statesAllNoise(problem)) return StatedNoise::all;
   const bool any = std::any_of(problem.pools().begin(), problem.pools().end(),
@@ -42,7 +42,7 @@ StatedNoise statedNoise(const Problem& problem) {
   return any ? StatedNoise::some : StatedNoise::none;
 }
 
-/// Where an unknown has a column of J, but what it changes is lost in the rounding of the residuals.
+/// Message for an unknown whose column of J is not 0, but whose effect is lost in the rounding of the residuals.
 constexpr const char* kHidden =
     "; rounding errors of the residuals hide what it changes here: if they are large because the start is far off, start nearer, or use "
     "LevenbergMarquardt";
@@ -142,7 +142,7 @@ void Estimator::State::addWarnings(Summary& summary, const Options& options) {
   given_derivatives.check(problem, summary.warnings);
 }
 
-/// Explains it by losses that give whole groups weight 0 or, if there is time, by a diagnosis.
+/// Explains the loss of rank by losses that give whole groups weight 0 or, if there is time, by a diagnosis.
 void Estimator::State::explainRankDeficiency(Summary& summary, const Options& options) {
   std::vector<std::string> weightless = weightlessMeasurements(summary.groups);
   const bool is_explained = !weightless.empty();

@@ -110,7 +110,7 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
   }
   State& state = *state_;
   if (state.online == nullptr) state.online = std::make_unique<OnlineFit>(state.problem, state.linearizer);
-  // What nothing determines stays where it is, with update() as with a damped algorithm.
+  // Undetermined unknowns stay where they are, with update() as with a damped algorithm.
   const auto takeOver = [&] {
     Summary fit = optimize();
     if (fit.stop_reason != StopReason::rank_deficient) return fit;
@@ -132,8 +132,8 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
     summary.optimize_iterations = fit.iterations;
     summary.message = "optimize() took over: " + fit.message;
     if (has_bounds) return summary;
-    // What it has left, by the factor that later calls go on from. Where optimize() has converged, rounding may hide from the factor that it
-    // has.
+    // This computes the promise at the end of optimize(), with the factor that later calls continue from. If optimize()
+    // has converged, rounding may keep that factor from confirming it.
     const bool is_known = state.online->run(options, summary);
     if (is_known && summary.converged && !fit.converged)
       summary.message += "; " + messageOf(summary, options);

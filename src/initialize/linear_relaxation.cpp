@@ -64,7 +64,7 @@ bool LinearRelaxation::solve() {
     for (int c = 0; c < rows_; ++c) {
       for (int r = 0; r < rows_; ++r) J.push_back(r == c ? root : 0);
     }
-    // The right-hand side, to which the terms of fixed blocks are moved.
+    // The right-hand side, with the terms of fixed blocks moved to it.
     MatrixXd target = C;
     if (a < 0) target += M * Map<const MatrixXd>(valueAt(i), rows_, columns_);
     if (b < 0) target -= Map<const MatrixXd>(valueAt(j), rows_, columns_);

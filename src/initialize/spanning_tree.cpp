@@ -18,7 +18,7 @@ Unreached::Unreached(int pose)
 
 namespace {
 
-/// The edges at each pose: those of pose p are edges[first[p]] .. edges[first[p + 1] - 1].
+/// The edges at each pose. The edges of pose p are edges[first[p]] .. edges[first[p + 1] - 1].
 struct EdgesAtPoses {
   std::vector<int> first, edges;
 };
@@ -49,7 +49,7 @@ void requireReached(const std::vector<char>& is_reached) {
   }
 }
 
-/// The fixed poses, or the first one where there is none.
+/// Returns the fixed poses; without any, the first pose.
 std::vector<int> roots(const std::vector<char>& is_fixed) {
   std::vector<int> result;
   for (std::size_t p = 0; p < is_fixed.size(); ++p) {

@@ -1,4 +1,4 @@
-// Errors of this folder: what is wrong, where, and what to do about it.
+// Errors of this folder: what is wrong, where, and the remedy.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,8 @@ namespace slom::io {
   fail(kind, place + ": " + what, place);
 }
 
-/// The first characters of a text that is longer than `most`, and three dots. Bytes of no text, which would end a message, are question marks.
+/// Returns a text, or the first characters and three dots if it is longer than `most`. Bytes that are no text would end
+/// a message, so they become question marks.
 inline std::string shortened(std::string_view text, std::size_t most) {
   std::string part = text.size() <= most ? std::string(text) : std::string(text.substr(0, most - 3)) + "...";
   std::replace(part.begin(), part.end(), '\0', '?');

@@ -1,4 +1,4 @@
-// The errors of measurements whose residuals or derivatives are not numbers, or too large.
+// Errors for measurements whose residuals or derivatives are not finite, or too large.
 #include <algorithm>
 #include <cmath>
 #include <string>

@@ -14,12 +14,13 @@ namespace slom {
 
 namespace {
 
-/// Chunks in flight where threads wait for each other: few, so that they stay in the second-level cache until they are added up.
-/// One thread alone needs but one, which stays in the first.
+/// Number of chunks in flight per thread. If threads wait for each other, few chunks stay in the second-level cache
+/// until they are added up. A single thread needs only one chunk, which stays in the first-level cache.
 constexpr int kChunksPerThread = 8;
 int chunksInFlight(int threads) { return threads == 1 ? 1 : kChunksPerThread * threads; }
 
-/// Measurements in a chunk: at most 64, fewer where their Jacobians would not stay in the first-level cache.
+/// Returns the number of measurements in a chunk: at most 64, or fewer so that their Jacobians stay in the first-level
+/// cache.
 int perChunk(const MeasurementPool& pool) {
   constexpr int most = 64, least = 16, entries = 2048;
   const int of_one = std::max(1, pool.size() > 0 ? pool.rows(0) * pool.columns(0) : 1);
@@ -51,7 +52,7 @@ std::vector<Linearizer::Range> Linearizer::ranges(const Problem& problem,
 void Linearizer::prepare(const Problem& problem, const Range& range, bool with_jacobian, Chunk& chunk) {
   const MeasurementPool& pool = *problem.pools()[at(range.group)];
   const int count = range.last - range.first;
-  // Chunks that are used again always have a Jacobian.
+  // A reused chunk always has a Jacobian.
   const bool is_laid_out =
       chunk.type == &pool.type() && pool.hasFixedSizes() && chunk.rows.size() >= at(count);
   chunk.type = &pool.type();
@@ -79,7 +80,7 @@ void Linearizer::prepare(const Problem& problem, const Range& range, bool with_j
   if (with_jacobian) chunk.J.resize(entries);
 }
 
-/// The chunk's RSS and, where derivatives are wanted, r and J as the sink is to get them.
+/// Computes the chunk's RSS and, if derivatives are wanted, r and J for the sink.
 void Linearizer::addLosses(const Problem& problem, bool with_jacobian, Chunk& chunk) const {
   const MeasurementPool& pool = *problem.pools()[at(chunk.group)];
   if (pool.lossCount() == 0) {
@@ -133,7 +134,7 @@ double Linearizer::largestLossArgument(const Problem& problem) {
     problem.naming(pool, [&] { pool.evaluate(range.first, range.last, chunk.r.data()); });
     largest = std::max(largest, slom::largestLossArgument(pool, range.first, range.last, chunk.r.data()));
   }
-  return std::min(largest, std::numeric_limits<double>::max() / 4);  // so that twice of it is a number
+  return std::min(largest, std::numeric_limits<double>::max() / 4);  // so that twice the limit is finite
 }
 
 void Linearizer::residuals(const Problem& problem, double* r) {
@@ -195,7 +196,7 @@ double Linearizer::linearize(const Problem& problem, const ActiveSet& active, Ja
       whole.squared_norm += part.squared_norm;
     }
   };
-  // Few chunks may take long all the same: then all threads work on them, if there are fewer partitions than threads.
+  // Few chunks may still take long. If there are fewer partitions than threads, all threads work on the chunks.
   if (partitions.size() > 1 && (partitions.size() >= at(threads) || all.size() > per_wave)) {
     std::vector<std::size_t> first;
     for (const MeasurementPlace& begin : partitions) {
@@ -275,7 +276,7 @@ void Linearizer::clearConstrained(const Problem& problem, const ActiveSet& activ
   }
 }
 
-/// Sends them with the lengths of the columns that were cleared, so that scales stay the same.
+/// Sends the constrained components with the lengths of their cleared columns, so that scales stay the same.
 void Linearizer::sendConstrained(const Problem& problem, const ActiveSet& active, JacobianSink& sink) const {
   const int group = static_cast<int>(problem.pools().size());
   int index = 0;

@@ -16,13 +16,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Less than this of the length that a column had before anything was eliminated is rounding error.
+/// Fraction of the original length of a column below which the rest of the column is rounding error.
 constexpr double kMarginalRankTolerance = 1e-12;
 
 /// Rows [J r] over some variables.
 struct Rows {
-  std::vector<int> variables;  // ascending; empty: used up
-  MatrixXd A;                  // columns of the variables one after the other, then r
+  std::vector<int> variables;  // ascending; empty: the rows were eliminated
+  MatrixXd A;                  // columns of the variables in order, then r
 };
 
 class RowElimination {
@@ -49,7 +49,7 @@ class RowElimination {
       const auto [degree, v] = next.top();
       next.pop();
       const std::vector<int> others = neighbours(v);
-      if (others.size() > degree) {  // than when it was put there
+      if (others.size() > degree) {  // its degree has grown since it was queued
         next.emplace(others.size(), v);
         continue;
       }
@@ -73,7 +73,7 @@ class RowElimination {
     rows_.push_back(std::move(rows));
   }
 
-  /// The neighbours of a variable that is not yet eliminated. Forgets those of its rows that are used up.
+  /// Returns the neighbours of a variable that is not yet eliminated. Forgets its rows that were eliminated.
   std::vector<int> neighbours(int v) {
     std::vector<std::size_t>& own = rows_of_.at(v);
     std::erase_if(own, [&](std::size_t i) { return rows_[i].variables.empty(); });
@@ -87,7 +87,7 @@ class RowElimination {
     return all;
   }
 
-  /// Rows of these one below the other, over `order` and then r, by an upper triangle where they are many.
+  /// Returns these rows, stacked, over `order` and then r. Many rows are reduced to an upper triangle.
   MatrixXd stacked(const std::vector<std::size_t>& which, const std::vector<int>& order) const {
     std::unordered_map<int, Index> start;
     Index columns = 0;
@@ -111,7 +111,8 @@ class RowElimination {
     return all.topRows(height);
   }
 
-  /// Turns as many rows as there are columns, or more, into an upper triangle; returns how many are left. The others become 0.
+  /// Reduces rows to an upper triangle if there are at least as many rows as columns. Returns the number of rows left;
+  /// the others become 0.
   static Index triangular(MatrixXd& all, Index height) {
     const Index n = all.cols();
     if (height < n) return height;
@@ -121,7 +122,7 @@ class RowElimination {
     return n;
   }
 
-  /// One over the lengths that the columns of a variable had at first, 1 for those of length 0.
+  /// Returns the inverse of the initial lengths of a variable's columns; 1 for those of length 0.
   VectorXd scaleOf(int v) const {
     return squares_.at(v).unaryExpr([](double s) { return s > 0 ? 1 / std::sqrt(s) : 1; });
   }
@@ -151,11 +152,11 @@ class RowElimination {
     left.applyOnTheLeft(qr.householderQ().adjoint());
     MatrixXd A = left.bottomRows(rest);
     const Index height = triangular(A, rest);
-    A.conservativeResize(std::min(height, A.cols() - 1), A.cols());  // the last row would be a constant
+    A.conservativeResize(std::min(height, A.cols() - 1), A.cols());  // the last row would be constant
     if (A.rows() > 0) keep({others, std::move(A)});
   }
 
-  /// The remaining rows, grouped by the variables that they involve.
+  /// Returns the remaining rows, grouped by their variables.
   std::vector<InformationFactor> factors() const {
     std::map<std::vector<int>, std::vector<std::size_t>> alike;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -189,11 +190,12 @@ class RowElimination {
 
   const Problem& problem_;
   std::vector<Rows> rows_;
-  std::map<int, std::vector<std::size_t>> rows_of_;  // rows of the variables still to be eliminated
+  std::map<int, std::vector<std::size_t>> rows_of_;  // rows of the variables that are still to be eliminated
   std::unordered_map<int, VectorXd> squares_;        // initial squared norms of the columns of each variable
 };
 
-/// The rows of a batch of one measurement. The columns of a variable that it has twice are added up; fixed variables have none.
+/// Returns the rows of a batch of one measurement. If a variable occurs twice, its columns are added. Fixed variables
+/// have no columns.
 Rows rowsOf(const Problem& problem, const JacobianBatch& batch) {
   const MeasurementPool& pool = *problem.pools()[at(batch.group)];
   const int* const all = pool.variables(batch.first);

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 constexpr double kSmallestCurvature = 0.25;
 
-/// The value of the measurement's loss; NaN for s not finite, so that no bounded loss hides it.
+/// Returns the value of the measurement's loss; NaN if s is not finite, so that no bounded loss hides it.
 LossValue valueOf(const Loss* loss, double s, double graduation) {
   if (!std::isfinite(s)) return {std::numeric_limits<double>::quiet_NaN(), 1, 0};
   return loss == nullptr ? LossValue{s, 1, 0} : loss->evaluate(s, graduation);
@@ -59,8 +59,7 @@ double reweight(const Problem& problem, const MeasurementPool& pool, int first, 
     const LossValue value = valueOf(pool.lossOf(i), s, graduation);
     const Factors factors = factorsFor(value, s);
     sum += value.rho;
-    if (factors.of_J == 1 &&
-        factors.k == 0) {  // without a loss, and with Huber's where the residual is small, as most are
+    if (factors.of_J == 1 && factors.k == 0) {  // no loss, or Huber's with a small residual: the usual case
       J += static_cast<std::ptrdiff_t>(rows) * pool.columns(i);
       r += rows;
       continue;

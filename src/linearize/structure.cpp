@@ -18,7 +18,7 @@ int blockOf(const Problem& problem, int variable) { return dofOf(problem, variab
 
 int tableSize(const Problem& problem) { return static_cast<int>(problem.variables().size()); }
 
-/// The blocks from `first` on.
+/// Computes the offsets of blocks from `first` on.
 void layOutBlocks(const Problem& problem, int first, std::vector<int>& offset) {
   offset.resize(at(tableSize(problem)) + 1);
   for (int v = first; v < tableSize(problem); ++v) offset[at(v) + 1] = offset[at(v)] + dofOf(problem, v);
@@ -28,7 +28,7 @@ void writeBlocks(const Problem& problem, const MeasurementPool& pool, int i, int
   for (int k = 0; k < pool.arity(); ++k) blocks[k] = blockOf(problem, pool.variables(i)[k]);
 }
 
-/// The group after those of the pools, where there is one.
+/// Writes the group after those of the pools, if there is one: components that are fixed or at an active bound.
 void writeConstrained(const Problem& problem, std::vector<MeasurementGroup>& groups) {
   groups.resize(problem.pools().size());
   const IndexSet& constrained = problem.activeSet().constrained();
@@ -46,7 +46,7 @@ int countResiduals(const Problem& problem) {
   return sum;
 }
 
-/// Whether two of the blocks are different ones.
+/// Returns whether two of the blocks differ.
 bool doMeet(std::span<const int> blocks) {
   int one = -1;
   for (const int block : blocks) {
@@ -56,7 +56,7 @@ bool doMeet(std::span<const int> blocks) {
   return false;
 }
 
-/// Brings a structure up to date. What a pool holds does not depend on how it came there: changes only say where to look.
+/// Update of a structure. The contents of a pool decide; recorded changes only say where to look.
 class Update {
  public:
   Update(const Problem& problem, ProblemStructure& structure)
@@ -119,7 +119,7 @@ class Update {
     result_.measurements = true;
   }
 
-  /// Inserts them before the group of components that are fixed or at an active bound, if there is one.
+  /// Inserts the pools before the group of components that are fixed or at an active bound, if there is one.
   void addPools() {
     const auto end = structure_.system.groups.begin() + structure_.pools;
     std::vector<MeasurementGroup> added;
@@ -162,7 +162,7 @@ class Update {
   const Problem& problem_;
   ProblemStructure& structure_;
   std::vector<std::vector<int>> touched_;  // measurements of each pool
-  std::vector<int> variables_;             // that may have got another size
+  std::vector<int> variables_;             // those that may have changed in size
   bool has_other_constraints_ = false;
   StructureChanges result_;
 };

@@ -106,7 +106,7 @@ void GaussianPrior::setPoint(int k, const void* value) {
                     std::to_string(point.dof()) + " degrees of freedom, the linearisation point has " +
                     std::to_string(replacement.dof()) + "; give a value of the variable's size");
   }
-  std::vector<double> difference(at(replacement.dof()));  // NaN where a number is not finite
+  std::vector<double> difference(at(replacement.dof()));  // NaN if a number is not finite
   replacement.store().boxminus(difference.data(), replacement.get(), replacement.get());
   if (!std::all_of(difference.begin(), difference.end(), [](double d) { return std::isfinite(d); })) {
     throw Error("slom.prior-not-finite",

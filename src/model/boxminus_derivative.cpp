@@ -8,7 +8,8 @@ namespace slom::detail {
 
 namespace {
 
-/// (1 - t/2 cot(t/2)) / t^2 of t^2. The series serves small angles, where the closed form cancels; it is 0 at no angle up to pi.
+/// Returns (1 - t/2 cot(t/2)) / t^2, given t^2. The series serves small angles, where the closed form cancels. The
+/// denominator of the closed form is not 0 at any angle up to pi.
 double quadraticFactor(double square) {
   if (square < 0.09)
     return 1.0 / 12 +
@@ -19,7 +20,7 @@ double quadraticFactor(double square) {
 
 }  // namespace
 
-/// D = I + [w]x / 2 + quadraticFactor(|w|^2) [w]x^2
+/// Writes D = I + [w]x / 2 + quadraticFactor(|w|^2) [w]x^2.
 void writeBoxminusDerivative(const mtk::SO3<>& x, const mtk::SO3<>& y, double* D, int stride) {
   const mtk::vect<3> w = mtk::difference(x, y);
   const double square = w.squaredNorm(), factor = quadraticFactor(square);
@@ -45,7 +46,8 @@ void writeBoxminusDerivative(const mtk::S2<>& x, const mtk::S2<>& y, double* D, 
   }
 }
 
-/// Richardson's extrapolation of central differences with the steps h and h/2. Errors are of order h^4 and epsilon / h.
+/// Writes Richardson's extrapolation of central differences with the steps h and h/2. Errors are of order h^4 and
+/// epsilon / h.
 void writeDifferences(const OwnPart& part, double* D, int stride) {
   const std::size_t n = static_cast<std::size_t>(part.dof);
   std::vector<double> d(n, 0.0), plus(n), minus(n);

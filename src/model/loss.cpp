@@ -15,10 +15,10 @@ namespace slom {
 
 namespace {
 
-/// The squares of scales within [1 / kLargestScale, kLargestScale] are normal numbers.
+/// Largest scale. Squares of scales within [1 / kLargestScale, kLargestScale] are normal numbers.
 constexpr double kLargestScale = 1e150;
 
-/// What is wrong with a function that a user wrote, at scale 1; empty when nothing is.
+/// Returns what is wrong with a user's function at scale 1; empty if nothing is.
 std::string faultOfFunction(const LossKind& kind) {
   constexpr double same = 1e-9, h = 1e-5, close = 1e-4;
   const auto at = [&](double t) { return kind.evaluate(t, 0); };

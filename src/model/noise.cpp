@@ -37,7 +37,7 @@ bool isDeviation(NoiseForm form) {
   return form == NoiseForm::standard_deviation || form == NoiseForm::inv_standard_deviation;
 }
 
-/// The factor by which a component is multiplied to whiten it.
+/// Returns the factor by which a component is multiplied to whiten it.
 double whiteningFactor(NoiseForm form, double x) {
   switch (form) {
     case NoiseForm::covariance:
@@ -69,7 +69,7 @@ bool checkSize(const NoiseView& noise, int dim, NoiseComplaint& complaint) {
   return false;
 }
 
-/// W from the scalar or the diagonal entries.
+/// Computes W from the scalar or the diagonal entries.
 bool fromPositiveNumbers(const NoiseView& noise, std::vector<double>& store, NoiseComplaint& complaint) {
   for (int i = 0; i < noise.rows; ++i) {
     const double x = noise.entries[i];
@@ -131,7 +131,7 @@ bool checkLowerTriangular(const MatrixXd& m, NoiseComplaint& complaint) {
   return true;
 }
 
-/// Lower Cholesky factor of a symmetric matrix, computed at unit diagonal so that units do not matter.
+/// Computes the lower Cholesky factor of a symmetric matrix, at unit diagonal so that units do not matter.
 bool factorize(const MatrixXd& m, MatrixXd& L, NoiseComplaint& complaint) {
   const VectorXd diagonal = m.diagonal();
   if ((diagonal.array() > 0).all()) {
@@ -150,7 +150,7 @@ bool factorize(const MatrixXd& m, MatrixXd& L, NoiseComplaint& complaint) {
   return false;
 }
 
-/// Judged with rows of length 1, so that units do not matter.
+/// Checks invertibility with rows scaled to length 1, so that units do not matter.
 bool checkInvertible(const MatrixXd& m, NoiseComplaint& complaint) {
   if (m.rowwise().norm().minCoeff() > 0 && m.rowwise().normalized().eval().fullPivLu().isInvertible())
     return true;
@@ -223,7 +223,7 @@ void detail::raiseNoiseError(const NoiseComplaint& complaint, const std::string&
 }
 
 namespace {
-/// m := W m
+/// Computes m := W m.
 void multiplyAny(const double* W, double* m, int dim, int cols) {
   const Eigen::Map<const MatrixXd> left(W, dim, dim);
   for (int j = 0; j < cols; ++j, m += dim) {
@@ -235,18 +235,18 @@ void multiplyAny(const double* W, double* m, int dim, int cols) {
 typedef double TwoNumbers __attribute__((vector_size(16)));
 typedef double FourNumbers __attribute__((vector_size(32)));
 typedef double EightNumbers __attribute__((vector_size(64)));
-/// The same, as they lie anywhere in memory.
+/// The same vectors at any place in memory.
 typedef TwoNumbers TwoInMemory __attribute__((aligned(alignof(double)), may_alias));
 typedef FourNumbers FourInMemory __attribute__((aligned(alignof(double)), may_alias));
 typedef EightNumbers EightInMemory __attribute__((aligned(alignof(double)), may_alias));
 
-/// A column of three numbers in one vector, whose other lanes hold anything.
+/// A column of 3 numbers in one vector; the other lanes are undefined.
 struct ColumnOfThree {
   using Numbers = FourNumbers;
   static void read(const double* W, Numbers (&column)[3]) {
     column[0] = *reinterpret_cast<const FourInMemory*>(W);
     column[1] = *reinterpret_cast<const FourInMemory*>(W + 3);
-    const Numbers last = *reinterpret_cast<const FourInMemory*>(W + 5);  // it ends where W ends
+    const Numbers last = *reinterpret_cast<const FourInMemory*>(W + 5);  // ends where W ends
     column[2] = __builtin_shufflevector(last, last, 1, 2, 3, 3);
   }
   static void write(const Numbers& x, double* m) {
@@ -254,7 +254,7 @@ struct ColumnOfThree {
     m[2] = x[2];
   }
 };
-/// The same of six.
+/// A column of 6 numbers in one vector; the other lanes are undefined.
 struct ColumnOfSix {
   using Numbers = EightNumbers;
   static void read(const double* W, Numbers (&column)[6]) {
@@ -268,8 +268,8 @@ struct ColumnOfSix {
   }
 };
 
-/// m := W m for N x N: sums of the columns of W. Vectors are read as they lie in memory: put together from parts there, they would have
-/// to wait for these.
+/// Computes m := W m for N x N as sums of the columns of W. Vectors are read directly from memory. Vectors assembled
+/// from parts would have to wait for the parts.
 template <class Column, int N>
 void multiply(const double* W, double* m, int cols) {
   typename Column::Numbers column[N];
@@ -281,7 +281,7 @@ void multiply(const double* W, double* m, int cols) {
   }
 }
 
-/// m := diag(w) m
+/// Computes m := diag(w) m.
 template <int N>
 void scale(const double* w, double* m, int dim, int cols) {
   const Eigen::Vector<double, N> factors = Eigen::Map<const Eigen::Vector<double, N>>(w, dim);
@@ -289,7 +289,7 @@ void scale(const double* w, double* m, int dim, int cols) {
     Eigen::Map<Eigen::Vector<double, N>>(m, dim).array() *= factors.array();
 }
 
-/// f of a number that is one of the usual dimensions at compile time, Dynamic for others.
+/// Calls f with a constant that is the dimension if it is a usual one, otherwise Dynamic.
 template <class F>
 void withDimension(int dim, const F& f) {
   switch (dim) {

@@ -10,7 +10,7 @@ namespace slom::detail {
 
 class StoredValue {
  public:
-  /// `value` is of the type of the variable.
+  /// Copies `value`, which has the type of the variable.
   StoredValue(const AnyVarID& id, const void* value) : id_(id), place_(allocate()) {
     try {
       store().construct(place_, value);
@@ -42,7 +42,7 @@ class StoredValue {
   void* allocate() const { return ::operator new(store().valueSize(), alignment()); }
   void free() { ::operator delete(place_, alignment()); }
 
-  AnyVarID id_;  // keeps the store alive, which knows how to destroy the value
+  AnyVarID id_;  // keeps the store alive, which can destroy the value
   void* place_;
 };
 

@@ -35,7 +35,7 @@ std::string readableTypeName(std::string_view compiler_text) {
   std::string text(compiler_text);
   eraseAll(text, "(anonymous namespace)::");
   eraseAll(text, "{anonymous}::");
-  // A type local to a function: `f(int)::Name`.
+  // A type that is local to a function: `f(int)::Name`.
   if (const auto local = text.rfind(")::"); local != std::string::npos) text.erase(0, local + 3);
   text = withoutQualifiers(text);
   eraseAll(text, "<double>");
@@ -48,7 +48,7 @@ std::string readableTypeName(std::string_view compiler_text) {
 std::string detail::typeNameIn(const char* function) {
   std::string_view text = function;
   text.remove_prefix(text.find("T = ") + 4);
-  const auto end = text.find("; std::string");  // gcc appends what std::string is
+  const auto end = text.find("; std::string");  // gcc appends the meaning of std::string
   return readableTypeName(text.substr(0, end == std::string_view::npos ? text.rfind(']') : end));
 }
 

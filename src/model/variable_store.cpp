@@ -49,7 +49,7 @@ void VariableStoreBase::clear() noexcept {
 SlotRef VariableStoreBase::insert(const void* value, int variable) {
   std::uint32_t slot = static_cast<std::uint32_t>(values_.size());
   if (free_.empty()) {
-    if (slot == free_.capacity()) {  // room for all, so that neither this nor release() can fail half-way
+    if (slot == free_.capacity()) {  // room for all, so neither this nor release() can fail half-way
       const std::size_t room = 2 * std::size_t{slot} + 16;
       variable_.reserve(room);
       generation_.reserve(room);

@@ -52,7 +52,7 @@ int IncrementalCholesky::insertElement(std::span<const int> blocks, int rows) {
   return e;
 }
 
-/// Where in numbers_ so many zeros lie.
+/// Returns a place in numbers_ for that many zeros.
 std::size_t IncrementalCholesky::roomFor(std::size_t count) {
   std::vector<std::size_t>& free = free_numbers_[count];
   if (free.empty()) {
@@ -89,14 +89,14 @@ void IncrementalCholesky::setGradient(int e, std::span<const double> g) {
   if (element.front >= 0) touch(element.front, false);
 }
 
-/// The front and those above it are to be computed again.
+/// Marks the front and those above it for recomputation.
 void IncrementalCholesky::touch(int f, bool is_factor) {
   for (; f >= 0; f = fronts_[at(f)].parent) {
     Front& front = fronts_[at(f)];
     const bool is_known = !front.has_solution && (!front.has_factor || !is_factor);
     if (is_factor) front.has_factor = false;
     front.has_solution = false;
-    if (is_known) return;  // and so are those above it
+    if (is_known) return;  // the fronts above are marked too
     pushDirty(f);
   }
 }
@@ -125,8 +125,8 @@ const std::vector<IncrementalCholesky::Move>& IncrementalCholesky::solve(double 
   return moves_;
 }
 
-/// Computes d of the front's pivots, given that of its rows, unless its predicted decrease is negligible. Goes on to children whose rows have
-/// moved, or in whose subtrees some decrease is left.
+/// Computes d of the front's pivots from d of its rows, unless its predicted decrease is negligible. Continues with
+/// children whose rows have moved or whose subtrees have some decrease left.
 void IncrementalCholesky::goDown(int f, double threshold, bool everywhere) {
   Front& front = fronts_[at(f)];
   const auto& kernel = dense::kernels();
@@ -136,7 +136,7 @@ void IncrementalCholesky::goDown(int f, double threshold, bool everywhere) {
     rows_.assign(at(dense::paddedToStripes(front.u)), 0.0);
     int i = 0;
     for (const int b : front.rows) {
-      const int place = local_[at(b)];  // in the step, where the block has moved
+      const int place = local_[at(b)];  // place in the step, if the block moved
       if (place >= 0) std::copy_n(step_.data() + place, dof(b), rows_.data() + i);
       i += dof(b);
     }

@@ -1,6 +1,6 @@
 /// Blocks of the inverse, by solving along two paths of the tree.
-///   source   Kaess and Dellaert, "Covariance recovery from a square root information matrix for data association", RAS 2009 (what is
-///            needed of the inverse lies along the path to the root)
+///   source   Kaess and Dellaert, "Covariance recovery from a square root information matrix for data association", RAS
+///            2009 (the part of the inverse that is needed lies along the path to the root)
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace slom {
 
-/// The fronts from the one that eliminates the block up to the root.
+/// Returns the fronts from the one that eliminates the block up to the root.
 std::vector<int> IncrementalCholesky::pathFrom(int block) const {
   std::vector<int> path;
   for (int f = blocks_[at(block)].front; f >= 0; f = fronts_[at(f)].parent) path.push_back(f);
@@ -39,10 +39,10 @@ std::vector<double> IncrementalCholesky::inverseBlock(int a, int b) const {
   return block;
 }
 
-/// The entries of block a in the column of H^-1 for a component of block b.
+/// Returns the entries of block a in the column of H^-1 for a component of block b.
 std::vector<double> IncrementalCholesky::inverseColumn(int a, int b, int component) const {
   const auto& kernel = dense::kernels();
-  std::map<int, std::vector<double>> entries;  // by block: of the unit vector, on their way up
+  std::map<int, std::vector<double>> entries;  // by block: entries of the unit vector, passed up
   entries[b].assign(at(dof(b)), 0.0);
   entries[b][at(component)] = 1;
   const auto gather = [&](const std::vector<int>& blocks, int count) {

@@ -1,8 +1,10 @@
-/// The diagonal blocks of the inverse, from the root downwards as far as they change.
+/// Diagonal blocks of the inverse, from the root downwards as far as they change.
 ///
-/// A front's part of the inverse follows from its part of the factor and that of its parent. Where the factor is unchanged and what the front gets from its
-/// parent, S, has changed by D with -c S <= D <= c S, everything in its subtree changes by no more than the share c of itself: it depends on S
-/// as P + Q S Q^T with constant P >= 0 and Q. So a subtree with a small c stays as it is. With S = L L^T, c = |L^-1 D L^-T|_F will do.
+/// A front's part of the inverse follows from its part of the factor and from its parent's part of the inverse. Let S
+/// be what the front gets from its parent. If the factor is unchanged and S has changed by D with -c S <= D <= c S,
+/// everything in the subtree of the front changes by at most the fraction c of itself. The reason is that each part
+/// depends on S as P + Q S Q^T with constant P >= 0 and Q. So a subtree with a small c stays as it is. With S = L L^T,
+/// c = |L^-1 D L^-T|_F is such a bound.
 #include <algorithm>
 #include <cmath>
 
@@ -16,13 +18,14 @@ namespace slom {
 using Eigen::MatrixXd;
 
 namespace {
-/// A test of whether a subtree may stay must cost less than this share of computing it.
+/// Largest cost of testing whether a subtree may stay, as a fraction of the cost of computing it.
 constexpr double kTestShare = 0.5;
 
-/// Unknowns whose differences are tried.
+/// Number of unknowns whose differences are tried.
 constexpr Eigen::Index kNearby = 12;
 
-/// Whether x^T D x > c x^T S x for the change D of S and some x that are quickly tried: unknowns, and differences of two that are near.
+/// Returns whether x^T D x > c x^T S x for the change D of S and some x that are quick to try: unknowns, and
+/// differences of two nearby unknowns.
 bool doesExceed(const MatrixXd& now, const auto& S, double c) {
   const auto exceeds = [&](double before, double after) { return std::abs(after - before) > c * before; };
   const Eigen::Index u = now.rows();
@@ -60,14 +63,14 @@ void IncrementalCholesky::updateInverse(double most_change) {
   }
 }
 
-/// The part of Z, of its parent, that belongs to the rows of a front.
+/// Returns the part of the parent's Z that belongs to the rows of a front.
 MatrixXd IncrementalCholesky::inverseOfRows(const Front& child, const MatrixXd& Z) {
   std::vector<int> rows;
   for (const int column : child.in_parent.columns) rows.push_back(column / dense::kStripe);
   return Z(rows, rows);
 }
 
-/// Whether what is known of the front and its subtree is near enough.
+/// Returns whether the known inverse of the front and its subtree is accurate enough.
 bool IncrementalCholesky::mayStay(Front& front, const MatrixXd& rows, double most_change) {
   if (front.inverse_part == nullptr || front.inverse_part->factorization != front.factorization) return false;
   Inverse& inverse = *front.inverse_part;

@@ -1,4 +1,4 @@
-/// Factorisation of fronts, and gradients on their way up.
+/// Factorisation of fronts, and gradients passed up the tree.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,13 +15,14 @@ namespace {
 using dense::kStripe;
 using dense::paddedToStripes;
 
-/// A pivot below this share of the diagonal entry of H may be rounding error, as that of thousands of others adds up in it.
+/// Fraction of the diagonal entry of H below which a pivot may be rounding error, because errors of thousands of others
+/// add up in it.
 constexpr double kDoubtfulPivot = 1e-10;
-/// All blocks are reordered when the work per block has grown by this factor since the last ordering.
+/// Growth of the work per block since the last ordering at which all blocks are reordered.
 constexpr double kMostGrowthOfWork = 2;
 constexpr double kLittleWork = 1e5;
 
-/// to[kStripe j] += a^T b_j for columns b_j, one after the other, with Rows numbers; 0: as many as `rows` says
+/// Adds to[kStripe j] += a^T b_j for consecutive columns b_j of Rows numbers, or of `rows` if Rows is 0.
 template <int Rows>
 void addProducts(int rows, const double* a, const double* b, int columns, double* to) {
   const int n = Rows > 0 ? Rows : rows;
@@ -73,7 +74,7 @@ void IncrementalCholesky::recompute() {
   refactor();
 }
 
-/// Adds a number for each row of a child where that lies in its parent.
+/// Adds each number of a child's rows to the row's place in the parent.
 void IncrementalCholesky::addRows(const Front& child, const std::vector<double>& from,
                                   std::vector<double>& to) {
   for (const dense::Run& piece : child.in_parent.pieces) {
@@ -81,7 +82,8 @@ void IncrementalCholesky::addRows(const Front& child, const std::vector<double>&
   }
 }
 
-/// Where a row of the lower triangle begins, in the columns of the pivots or in the others: its entries are kStripe apart.
+/// Returns the start of a row of the lower triangle, in the columns of the pivots or in the others. Entries of the row
+/// are kStripe apart.
 double* IncrementalCholesky::rowOf(Front& front, int row, bool to_panel) const {
   const auto inPanel = [&](double* panel, int i) {
     return panel + static_cast<std::ptrdiff_t>(kStripe) * front.p * (i / kStripe) + i % kStripe;
@@ -156,7 +158,7 @@ void IncrementalCholesky::assemblePanel(Front& front, const std::vector<double>&
 void IncrementalCholesky::factorizeFront(int f) {
   Front& front = fronts_[at(f)];
   const auto& kernel = dense::kernels();
-  // The diagonal of H: of elements here and below.
+  // This is the diagonal of H, from elements here and below.
   std::vector<double> diagonal(at(front.p + front.u), 0.0);
   for (const int e : front.elements) {
     const Element& element = elements_[at(e)];
@@ -198,7 +200,7 @@ void IncrementalCholesky::factorizeFront(int f) {
   work_.flops += frontFlops(front.p, front.u);
 }
 
-/// y := L^-1 g of the pivots; what they take from the rows goes to the parent.
+/// Computes y := L^-1 g of the pivots. Their contributions to the rows go to the parent.
 void IncrementalCholesky::solveFront(int f) {
   Front& front = fronts_[at(f)];
   const auto& kernel = dense::kernels();

@@ -1,4 +1,4 @@
-/// What nothing determines: pivots that are rounding error.
+/// Undetermined unknowns: pivots that are rounding error.
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +8,8 @@ namespace slom {
 
 namespace {
 
-/// An unknown of which the others leave less than this share of its column of A^T A stays where it is.
+/// Fraction of the column of A^T A below which the remaining part leaves the unknown undetermined: it stays where it
+/// is.
 constexpr double kLeastOnlinePivot = 1e-13;
 
 }  // namespace
@@ -17,10 +18,11 @@ void IncrementalCholesky::forgetUndetermined(int block) {
   undetermined_.erase(undetermined_.lower_bound({block, 0}), undetermined_.lower_bound({block + 1, 0}));
 }
 
-/// What is to be added to the diagonal for a doubtful pivot to be right. Where nothing determines the pivot, it is held.
+/// Returns the correction of the diagonal that makes a doubtful pivot right. Holds the pivot if it is undetermined.
 ///
-/// In exact arithmetic the pivot of unknown k is |A w|^2 with w_k = 1, w = 0 after it and what is before it as A w is least. The difference that
-/// factorisation takes has the rounding errors of all terms w_i^2 H_ii; |A w|^2 has next to none.
+/// In exact arithmetic the pivot of unknown k is |A w|^2, with w_k = 1, w = 0 after k, and the entries before k chosen
+/// such that |A w| is least. The difference computed by the factorisation has the rounding errors of all terms w_i^2
+/// H_ii. |A w|^2 has almost none.
 double IncrementalCholesky::correctionOf(Front& front, int pivot, double computed, double diagonal) {
   const double exact = squaredLengthAlong(front, pivot);
   if (exact > kLeastOnlinePivot * diagonal) return exact - computed;
@@ -28,7 +30,7 @@ double IncrementalCholesky::correctionOf(Front& front, int pivot, double compute
   return 0;
 }
 
-/// |A w|^2 of a pivot of the front, which is factorised up to that pivot.
+/// Returns |A w|^2 of a pivot of the front, which is factorised up to that pivot.
 double IncrementalCholesky::squaredLengthAlong(Front& front, int pivot) {
   const auto& kernel = dense::kernels();
   std::vector<double> w(at(front.p + front.u), 0.0);
@@ -61,7 +63,7 @@ double IncrementalCholesky::squaredLengthAlong(Front& front, int pivot) {
   return sum;
 }
 
-/// |A_e x|^2 for x of the element's front.
+/// Returns |A_e x|^2 for x of the element's front.
 double IncrementalCholesky::squaredLengthOf(const Element& element, const std::vector<double>& x) const {
   double sum = 0;
   for (int r = 0; r < element.rows; ++r) {
@@ -75,7 +77,7 @@ double IncrementalCholesky::squaredLengthOf(const Element& element, const std::v
   return sum;
 }
 
-/// Nothing determines the pivot: it stays where it is.
+/// Marks the pivot as undetermined: its unknown stays where it is.
 void IncrementalCholesky::hold(Front& front, int pivot) {
   front.undetermined.resize(at(front.p), 0);
   front.undetermined[at(pivot)] = 1;

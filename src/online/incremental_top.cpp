@@ -11,12 +11,13 @@ namespace slom {
 
 namespace {
 
-/// From this number of blocks on nested dissection beats minimum degree: the tree stays shallow.
+/// Number of blocks from which on nested dissection beats minimum degree, because the tree stays shallow.
 constexpr int kManyBlocks = 50;
 constexpr double kNearlyAsGood = 1.2;  // ratio of operations
 
-/// Fronts that keep the factor sparse, with the last block, which what comes next will most likely touch, at the end. Few blocks, as where
-/// a chain grows, are eliminated by age where that is nearly as good: then what is old does not stay at the top.
+/// Returns fronts that keep the factor sparse, with the last block at the end, because new elements will most likely
+/// touch it. If there are few blocks, as in a growing chain, and elimination by age is nearly as good, eliminates by
+/// age. Then old blocks do not stay at the top.
 Fronts frontsWithNewestLast(const BlockGraph& graph) {
   const int newest = graph.size() - 1;
   BlockGraph older;
@@ -43,7 +44,7 @@ Fronts frontsWithNewestLast(const BlockGraph& graph) {
 
 }  // namespace
 
-/// Dissolves the front of a block and all above it.
+/// Dissolves the front of a block and all fronts above it.
 void IncrementalCholesky::markPathFrom(int block) {
   for (int f = blocks_[at(block)].front; f >= 0;) {
     const int parent = fronts_[at(f)].parent;
@@ -111,7 +112,8 @@ void IncrementalCholesky::reorder() {
   work_.reordered_all = true;
 }
 
-/// The graph of the loose blocks, in their order, by loose elements and by what the loose subtrees leave.
+/// Returns the graph of the loose blocks, in their order. Its edges come from loose elements and from the rows of loose
+/// subtrees.
 BlockGraph IncrementalCholesky::looseGraph() {
   const int count = static_cast<int>(loose_blocks_.size());
   for (int i = 0; i < count; ++i) local_[at(loose_blocks_[at(i)])] = i;
@@ -141,13 +143,13 @@ BlockGraph IncrementalCholesky::looseGraph() {
   return graph;
 }
 
-/// The block of these that is eliminated first.
+/// Returns the block that is eliminated first.
 int IncrementalCholesky::firstOf(const std::vector<int>& blocks) const {
   return *std::min_element(blocks.begin(), blocks.end(),
                            [&](int a, int b) { return blocks_[at(a)].order < blocks_[at(b)].order; });
 }
 
-/// Fronts of these shapes, which eliminate the loose blocks. Returns their indices.
+/// Makes fronts of these shapes, which eliminate the loose blocks. Returns their indices.
 std::vector<int> IncrementalCholesky::makeLooseFronts(const Fronts& shapes) {
   std::vector<int> index;
   for (const slom::Front& shape : shapes.front) {
@@ -174,7 +176,7 @@ std::vector<int> IncrementalCholesky::makeLooseFronts(const Fronts& shapes) {
   return index;
 }
 
-/// Says where the elements and the children of a front belong in it.
+/// Sets the places of the elements and children of a front in it.
 void IncrementalCholesky::place(const Front& front) {
   int row = 0;
   for (const std::vector<int>* blocks : {&front.pivots, &front.rows}) {
@@ -199,12 +201,12 @@ void IncrementalCholesky::place(const Front& front) {
   }
 }
 
-/// Orders the blocks of dissolved fronts, makes fronts of them, and gives these the loose subtrees and elements.
+/// Orders the blocks of dissolved fronts and makes fronts of them. Attaches the loose subtrees and elements to these.
 void IncrementalCholesky::rebuildTop() {
   std::erase_if(loose_blocks_, [&](int b) { return blocks_[at(b)].dof == 0; });
   std::erase_if(loose_elements_, [&](int e) { return elements_[at(e)].blocks.empty(); });
   if (loose_blocks_.empty()) return;
-  // Canonical: the same set of blocks gives the same order, however it came together.
+  // The order is canonical: the same set of blocks gives the same order, whatever its history.
   std::sort(loose_blocks_.begin(), loose_blocks_.end(),
             [&](int a, int b) { return blocks_[at(a)].age < blocks_[at(b)].age; });
   const BlockGraph graph = looseGraph();

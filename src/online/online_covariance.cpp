@@ -6,7 +6,7 @@
 
 namespace slom {
 
-/// Throws unless the factor is that of the problem as it is. `variable`: whose covariance is asked for; -1: that of all.
+/// Throws unless the factor is that of the present problem. `variable`: the requested one; -1: all.
 void OnlineFit::requireCurrent(int variable) const {
   const std::string name = variable < 0 ? "" : problem_.variableName(variable);
   const std::string what =
@@ -25,7 +25,7 @@ void OnlineFit::requireCurrent(int variable) const {
   }
 }
 
-/// Throws where the variable has no covariance, as one of these components is undetermined.
+/// Throws if one of these components is undetermined, so that the variable has no covariance.
 void OnlineFit::requireDetermined(int variable, const std::vector<std::pair<int, int>>& undetermined) const {
   for (const auto& [other, component] : undetermined) {
     if (problem_.activeSet().isFixedOrActive(other, component)) continue;

@@ -10,32 +10,34 @@ namespace slom {
 
 namespace {
 
-/// Relative difference of a Jacobian from that in the factor: beyond the first, the factor gets the new one; beyond the second where a
-/// step has achieved less than the share kKeptOnline of its predicted decrease.
+/// Relative difference between a Jacobian and the one in the factor above which the factor gets the new Jacobian. The
+/// second limit applies after a step that achieved less than the fraction kKeptOnline of its predicted decrease.
 constexpr double kStaleOnline = 3e-4, kSlightlyStale = 1e-4;
 constexpr double kKeptOnline = 0.5;
-/// Least predicted decrease at which a subtree is moved, relative to the decrease that may be left in total. What hundreds of subtrees leave
-/// adds up, and another step costs more than moving some that need not move.
+/// Smallest predicted decrease for which a subtree is moved, relative to the decrease that may be left in total. The
+/// remainders of hundreds of subtrees add up, and another step costs more than moving some subtrees unnecessarily.
 constexpr double kShareOnline = 3e-3, kSmallerShare = 0.1;
-/// Share of the allowed decrease that is aimed at, as the predicted decrease is that of a model.
+/// Fraction of the allowed decrease that is the target, because the predicted decrease is that of a model.
 constexpr double kAimedAt = 0.5;
 constexpr double kSlowest = 0.99;  // ratio of the predicted decreases of two steps
 constexpr double kNoiseOfRss = 1e-13;
-/// What rounding errors may hide, squared standard deviations: where a measurement is so exact that they are worth more, others are not.
+/// Largest decrease that rounding errors may hide, in squared standard deviations. One very exact measurement may make
+/// rounding errors worth more, but other measurements then are not.
 constexpr double kMostRoundingOnline = 1e-4;
-/// After this number of steps, values may have another size than where their measurements were inserted.
+/// Number of steps after which values may differ in size from those at insertion of their measurements.
 constexpr int kManySteps = 3;
-/// Share of the RSS above which a predicted decrease shows that the optimum is far off: which minimum is reached is left to optimize().
+/// Fraction of the RSS above which a predicted decrease shows that the optimum is far off. Then optimize() chooses the
+/// minimum.
 constexpr double kFarOff = 0.5;
 bool isFarOff(double promised, double rss) { return promised >= kFarOff * rss; }
-/// A step whose decrease exceeds this multiple of the predicted one is lengthened by at most this factor.
+/// Ratio of a step's decrease to the predicted one above which the step is lengthened, and the largest factor.
 constexpr double kStretched = 1.5, kLongest = 8;
-/// A step that goes uphill is shortened by the first factor, down to the second share of its length.
+/// Factor by which an uphill step is shortened, and fraction of its length down to which it is.
 constexpr double kShorterOnline = 0.5, kShortestOnline = 0.1;
 
 }  // namespace
 
-/// Remembers a step and the measurements that it touches.
+/// Stores a step and the measurements that it touches.
 void OnlineFit::prepare(const std::vector<IncrementalCholesky::Move>& moves) {
   moved_variables_.clear();
   step_.clear();
@@ -50,7 +52,7 @@ void OnlineFit::prepare(const std::vector<IncrementalCholesky::Move>& moves) {
   moved_ += static_cast<int>(moves.size());
 }
 
-/// Moves along the last step, by a multiple of it.
+/// Moves by a multiple of the last step.
 void OnlineFit::moveBy(double factor) {
   const double* d = step_.data();
   std::vector<double> part;
@@ -64,19 +66,21 @@ void OnlineFit::moveBy(double factor) {
   value_revision_ = problem_.valueRevision();
 }
 
-/// Linearises where a step has led to; whether the RSS is at most this.
+/// Linearises at the end of a step. Returns whether the RSS is at most `most`.
 bool OnlineFit::isBelow(double most) {
   try {
     linearizeTouched(kStaleOnline);
     return rss() <= most;
-  } catch (const Error&) {  // there are no residuals
+  } catch (const Error&) {  // no residuals there
     return false;
   }
 }
 
-/// Takes the step, a part of it or more, so that the RSS falls. Where it does not, the values stay, and the factor gets their Jacobians.
+/// Takes the step, or a part or a multiple of it, so that the RSS falls. If the RSS does not fall, the values stay, and
+/// the factor gets their Jacobians.
 bool OnlineFit::go(double promised) {
-  // With first estimates the gradient is not that of the RSS, which rises by up to what a step promises where that step leads to its root.
+  // With first estimates, the gradient is not that of the RSS. On a step to the gradient's root, the RSS may rise by up
+  // to the predicted decrease.
   const bool is_exact = problem_.firstEstimates().isEmpty();
   const double before = rss(), most = before + (is_exact ? kNoiseOfRss * before : promised);
   moveBy(1);
@@ -95,9 +99,9 @@ bool OnlineFit::go(double promised) {
   return false;
 }
 
-/// Goes on along a step that has decreased the RSS by more than was predicted, as where losses make the curvature smaller than it is in
-/// the factor, or back where it was less, as where large residuals make it larger: to the minimum of the parabola through the
-/// predicted and the actual decrease.
+/// Moves to the minimum of the parabola through the predicted and the actual decrease. If the RSS fell by more than
+/// predicted, this lengthens the step; for example, losses make the curvature smaller than in the factor. If it fell by
+/// less, this shortens the step; for example, large residuals make the curvature larger.
 void OnlineFit::stretch(double before, double promised) {
   const double after = rss(), ratio = (before - after) / promised;
   if (ratio > kKeptOnline && ratio < kStretched) return;
@@ -113,7 +117,7 @@ bool OnlineFit::run(const UpdateOptions& options, UpdateSummary& summary) {
   try {
     is_at_end_ = stepToTolerance(options, summary);
     return is_at_end_;
-  } catch (...) {  // what was followed is incomplete
+  } catch (...) {  // an interrupted follow() is incomplete
     has_started_ = false;
     throw;
   }
@@ -127,7 +131,7 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
   factor_.refactor();
   const std::size_t free_at_start = factor_.undetermined().size();
   End end = descend(options);
-  // Where steps have led to values at which an unknown has lost its influence: a saddle or a plateau, which optimize() leaves.
+  // Steps may have led to values at which an unknown has no influence: a saddle or a plateau, which optimize() leaves.
   if (end == End::near && factor_.undetermined().size() > free_at_start) end = End::stuck;
   std::erase_if(waiting_,
                 [&](const Trial& trial) { return !problem_.pools()[at(trial.pool)]->has(trial.ref); });
@@ -141,16 +145,16 @@ bool OnlineFit::stepToTolerance(const UpdateOptions& options, UpdateSummary& sum
   return summary.needs_optimize;
 }
 
-/// Steps until the tolerance is met or they lead nowhere, at most as many as options say and the call has left.
+/// Steps until the tolerance is met or a step fails, within the limits of the options and of this call.
 OnlineFit::End OnlineFit::descend(const UpdateOptions& options) {
   double share = kShareOnline;
-  // Predicted decrease of all further steps together, relative to that of the next one: above 1 where convergence is slow.
+  // Predicted decrease of all further steps together, relative to the next step. Above 1 if convergence is slow.
   double slowness = 1;
-  bool is_fresh = false;  // the Jacobians in the factor are those of the current values, where it last moved
+  bool is_fresh = false;  // the factor has the Jacobians of the current values where it last moved
   for (int steps = 0;; ++steps) {
     sumAgain();
     const double before = rss(), promised = factor_.promise();
-    // Below the measurements' rounding errors no optimum can be found.
+    // Below the measurements' rounding errors, no optimum can be found.
     const double allowed = std::max({options.tolerance * before, std::min(rounding_, kMostRoundingOnline),
                                      std::numeric_limits<double>::min()});
     const bool is_near = promised * slowness <= kAimedAt * allowed;

@@ -1,11 +1,11 @@
-/// A fit that follows the problem: work in proportion to what has changed.
+/// A fit that follows the problem: its work is proportional to what has changed.
 ///
-/// Every measurement has its residual and Jacobian at the current values, for the gradient, and the Jacobian that is in the factor, which
-/// may be that of earlier values. A step d = -H^-1 g is thus a quasi-Newton step towards the optimum of the problem itself, and its
-/// predicted decrease, g^T H^-1 g, does not suffer from old linearisation points. The factor gets a new Jacobian where the old one differs so much
-/// that steps converge slowly.
-///   source   Nocedal and Wright, "Numerical optimization", 2006, section 11.1 (chord method); for what iSAM2 does instead, Kaess et
-///            al., "iSAM2", IJRR 2012 (fluid relinearisation, by thresholds of coordinates)
+/// Every measurement has a residual and a Jacobian at the current values, for the gradient. The factor holds another
+/// Jacobian of it, which may be that of earlier values. So a step d = -H^-1 g is a quasi-Newton step towards the
+/// optimum of the problem itself. Its predicted decrease, g^T H^-1 g, does not suffer from old linearisation points. If
+/// the two Jacobians differ so much that steps converge slowly, the factor gets the new one.
+///   source   Nocedal and Wright, "Numerical optimization", 2006, section 11.1 (chord method); for the method of iSAM2,
+///            Kaess et al., "iSAM2", IJRR 2012 (fluid relinearisation, by thresholds of coordinates)
 #pragma once
 
 #include <cstdint>
@@ -24,48 +24,51 @@ class OnlineFit {
  public:
   OnlineFit(Problem& problem, Linearizer& linearizer) : problem_(problem), linearizer_(linearizer) {}
 
-  /// Steps until the tolerance is met or the budget used up. False, with the values as good as they came to be, where a step went uphill
-  /// although the factor is up to date, or met values without residuals: a damped fit of everything is to go on.
+  /// Steps until the tolerance is met or the budget is used up. Returns false if a step went uphill although the factor
+  /// is up to date, or reached values without residuals. Then a damped fit of everything is to continue from the values
+  /// reached.
   bool run(const UpdateOptions& options, UpdateSummary& summary);
-  /// Writes the block of H^-1 of two variables, dof_a x dof_b, column-major, 0 where one of them is fixed: by the Jacobians that are in the
-  /// factor. Throws [slom.not-updated] where something has changed since run(), and [slom.rank-deficient].
+  /// Writes the block of H^-1 of two variables, dof_a x dof_b, column-major, from the Jacobians in the factor; 0 if one
+  /// of them is fixed. Throws [slom.not-updated] if something has changed since run(), and [slom.rank-deficient].
   void writeCovariance(int a, int b, double* out) const;
-  /// Brings the covariances of all variables up to date, as IncrementalCholesky::updateInverse() does. Throws as writeCovariance() does.
+  /// Updates the covariances of all variables, see IncrementalCholesky::updateInverse(). Throws as writeCovariance()
+  /// does.
   void updateMarginals(double most_change);
   bool hasBlock(int variable) const { return known_[static_cast<std::size_t>(variable)] != kUnknown; }
-  /// That of a variable with a block, as updateMarginals() left it.
+  /// Writes the covariance of a variable with a block, as updateMarginals() left it.
   void writeMarginal(int variable, double* out) const;
 
  private:
-  /// A measurement, at its place in its pool.
+  /// The state of a measurement; records lie at the measurements' places in their pools.
   struct Record {
     int element = kPending;
     bool is_plain = false;  // the element's Jacobian is that of the measurement
     double cost = 0;        // rho(|W r|^2)
     double graduation = 1;  // of its loss
-    double rounding = 0;    // the squared residual that rounding errors of the values make
+    double rounding = 0;    // squared residual due to rounding errors of the values
     std::uint64_t visited = 0;
-    bool is_new = false;  // its loss has not been looked at
+    bool is_new = false;  // its loss has not been evaluated yet
   };
-  /// A measurement that was refused or was not looked at yet. A trial that a call has ended goes on at its values in a later one or, where
-  /// these no longer hold, begins again in one that has more left for it.
+  /// A measurement that its loss refused, or that has not been examined yet. If a call ended the trial, a later call
+  /// continues it at its values. If these are outdated, a call with more left for it begins it again.
   struct Trial {
     int pool;
     SlotRef ref;
-    std::unique_ptr<ValueSnapshot> values = nullptr;  // where it goes on
-    bool is_graduated = true;                         // its loss, there
-    double operations = 0;                            // what the call that ended it had left
+    std::unique_ptr<ValueSnapshot> values = nullptr;  // values at which the trial continues
+    bool is_graduated = true;                         // its loss, at these values
+    double operations = 0;                            // operations left in the call that ended it
     int steps = 0;
     bool is_done = false;
   };
   static constexpr long kUnknown = -1;
-  static constexpr int kPending = -1, kNone = -2;  // elements: to be made; without free variables
+  static constexpr int kPending = -1, kNone = -2;  // no element yet; an element without free variables
   using Place = std::pair<int, int>;               // pool, index
 
-  /// Why steps ended: the tolerance is met, the budget used up, there were as many as may be, or they lead uphill.
+  /// Reason why steps ended: the tolerance is met, the budget is used up, the number of steps is reached, or steps lead
+  /// uphill.
   enum class End { near, put_off, max_steps, stuck };
 
-  /// What a trial has shown: the map is better with the measurement, worse, or the call ended before it was known.
+  /// Result of a trial: the map is better with the measurement, or worse, or the call ended before this was known.
   enum class Verdict { better, worse, unknown };
 
   bool stepToTolerance(const UpdateOptions& options, UpdateSummary& summary);
@@ -114,20 +117,20 @@ class OnlineFit {
   IncrementalCholesky factor_;
   std::uint64_t structure_revision_ = 0, value_revision_ = 0;
   bool has_started_ = false, is_at_end_ = false;
-  bool is_done_everywhere_ = true;  // nothing was left by the last call
+  bool is_done_everywhere_ = true;  // the last call left no part of a step
   std::vector<std::vector<Record>> records_;
-  std::vector<long> known_;  // serials of the variables that have blocks; kUnknown: has none
+  std::vector<long> known_;  // serials of the variables with blocks; kUnknown: no block
   std::vector<int> touched_variables_;
   std::vector<Place> pending_, touched_;
   std::vector<int> moved_variables_;  // variables of the last step, whose entries are step_
   std::vector<double> step_;
   std::uint64_t visit_ = 0;
-  double rss_ = 0, rss_rest_ = 0, peak_ = 0;  // peak_: the largest sum since all was added up
+  double rss_ = 0, rss_rest_ = 0, peak_ = 0;  // peak_: largest sum since the last full summation
   double rounding_ = 0;                       // rounding error of the RSS
-  std::vector<Trial> waiting_;                // for later calls, the oldest first
-  std::unique_ptr<ValueSnapshot> trial_;      // what steps move, while they may have to be taken back
+  std::vector<Trial> waiting_;                // for later calls, oldest first
+  std::unique_ptr<ValueSnapshot> trial_;      // values before a trial, which may be undone
   int linearized_ = 0, moved_ = 0, steps_ = 0;
-  double flops_ = 0;  // of gradients of measurements
+  double flops_ = 0;  // work of the gradients of measurements
   std::vector<double> A_, g_;
 };
 

@@ -1,4 +1,4 @@
-/// How an online fit follows what has happened to the problem: elements of the factor for measurements, blocks for free variables.
+/// An online fit follows changes of the problem: elements of the factor for measurements, blocks for free variables.
 #include <algorithm>
 #include <utility>
 
@@ -22,7 +22,7 @@ void OnlineFit::follow(bool remembers_new) {
         dropElement(records[at(change.index)]);
         records[at(change.index)] = records.back();
         records.pop_back();
-        pending_.emplace_back(change.pool, change.index);  // where the last one is not yet an element
+        pending_.emplace_back(change.pool, change.index);  // the moved one may not be an element yet
       } else {
         touched_variables_.push_back(change.index);
         if (change.kind != Change::Kind::variable_inserted) forgetTrialValues(true);
@@ -57,8 +57,8 @@ void OnlineFit::startAgain() {
   value_revision_ = problem_.valueRevision();
 }
 
-/// Inserts blocks for variables that have become free and removes those of variables that no longer are. Makes new elements of their
-/// measurements.
+/// Inserts blocks for variables that have become free, and removes those of variables that are no longer free. Makes
+/// new elements of their measurements.
 void OnlineFit::followVariables() {
   std::sort(touched_variables_.begin(), touched_variables_.end());
   touched_variables_.erase(std::unique(touched_variables_.begin(), touched_variables_.end()),
@@ -70,7 +70,7 @@ void OnlineFit::followVariables() {
     long& known = known_[at(v)];
     const bool exists = record.store != nullptr;
     const bool has_block = exists && problem_.activeSet().isOptimized(v) && record.dof > 0;
-    if (has_block && known == record.serial) {  // other components are fixed
+    if (has_block && known == record.serial) {  // only other components are fixed
       for (const Place& place : usesOf(v)) linearize(place, 1, 0);
       continue;
     }

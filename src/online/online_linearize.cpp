@@ -1,4 +1,4 @@
-/// Measurements of an online fit at the current values: their costs, gradients, Jacobians, and what rounding hides.
+/// Measurements of an online fit at the current values: costs, gradients, Jacobians, and their rounding errors.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,9 +14,9 @@ namespace slom {
 namespace {
 
 constexpr double kRoundingSteps = 4;  // units in the last place
-constexpr double kMostPeak = 1e6;  // largest sum of costs since it was added up, relative to the current one
+constexpr double kMostPeak = 1e6;  // largest sum of costs since full summation, relative to the current one
 
-/// Graduates the losses of the estimator's linearizer for as long as it lives, whatever is thrown.
+/// A guard that graduates the losses of the estimator's linearizer during its lifetime.
 class Graduated {
  public:
   Graduated(Linearizer& linearizer, double mu) : linearizer_(linearizer) {
@@ -30,7 +30,7 @@ class Graduated {
   Linearizer& linearizer_;
 };
 
-/// g := J^T r
+/// Computes g := J^T r.
 template <int Rows>
 void writeGradientOf(int rows, const double* J, const double* r, std::vector<double>& g) {
   const int n = Rows > 0 ? Rows : rows;
@@ -55,11 +55,11 @@ void writeGradient(int rows, const double* J, const double* r, std::vector<doubl
 
 }  // namespace
 
-/// `count` measurements at the current values. The factor gets a Jacobian where that differs from the one it has by more than
-/// `most_difference`.
+/// Linearises `count` measurements at the current values. The factor gets the new Jacobian if it differs from the old
+/// one by more than `most_difference`.
 void OnlineFit::linearize(Place first, int count, double most_difference) {
   const MeasurementPool& pool = *problem_.pools()[at(first.first)];
-  const bool has_losses = pool.lossCount() > 0;  // costs are not those of the residuals then
+  const bool has_losses = pool.lossCount() > 0;  // if so, costs are not those of the residuals
   const int each = has_losses ? 1 : count;
   for (int i = first.second; i < first.second + count; i += each) {
     double cost = 0;
@@ -86,7 +86,7 @@ void OnlineFit::take(Place place, const double* r, const double* J, const int* d
   Record& record = recordOf(place);
   if (record.element == kPending) return;
   ++linearized_;
-  addToRss(-record.cost);  // one after the other: their difference would be rounded
+  addToRss(-record.cost);  // separately, because a difference of the two would be rounded
   addToRss(cost);
   record.cost = cost;
   if (record.element == kNone) return;
@@ -108,7 +108,8 @@ void OnlineFit::take(Place place, const double* r, const double* J, const int* d
     factor_.setA(record.element, {J, before.size()});
 }
 
-/// The Jacobian of an element from those of a measurement, where that has variables without a block, or one twice.
+/// Computes the Jacobian of an element from those of its measurement, if the measurement has a variable without a
+/// block, or a variable twice.
 void OnlineFit::merge(Place place, const double* J, const int* dof) {
   const int element = recordOf(place).element, rows = factor_.rowsOf(element);
   const MeasurementPool& pool = *problem_.pools()[at(place.first)];
@@ -140,7 +141,7 @@ void OnlineFit::linearizeTouched(double most_difference) {
   }
 }
 
-/// What the last digits of the variables' values do to the measurement.
+/// Estimates the effect of the last digits of the variables' values on the measurement.
 void OnlineFit::roundAgain(Record& record) {
   if (record.element < 0) return;
   const int rows = factor_.rowsOf(record.element);
@@ -163,15 +164,15 @@ void OnlineFit::roundAgain(Record& record) {
 }
 
 void OnlineFit::addToRss(double change) {
-  // Neumaier's sum: what is added and later subtracted leaves nothing.
+  // Neumaier's sum: adding and later subtracting a number leaves nothing.
   const double sum = rss_ + change;
   rss_rest_ += std::abs(rss_) >= std::abs(change) ? (rss_ - sum) + change : (change - sum) + rss_;
   rss_ = sum;
   peak_ = std::max(peak_, std::abs(sum));
 }
 
-/// Adds up all measurements where the sum was so much larger meanwhile that little of what is left can be trusted. That takes time in
-/// proportion to everything, once for each such event.
+/// Adds up all measurements again if the sum was so much larger meanwhile that its remaining digits cannot be trusted.
+/// Each time, this takes time proportional to all measurements.
 void OnlineFit::sumAgain() {
   if (peak_ <= kMostPeak * std::abs(rss())) return;
   rss_ = rss_rest_ = 0;

@@ -1,10 +1,12 @@
-/// New measurements that their losses refuse: is the map wrong, or are they?
+/// New measurements that their losses refuse: either the map is wrong, or the measurements are.
 ///
-/// A loss whose weight falls to nothing leads into the minimum in whose valley the values lie. Where earlier, false measurements have bent the
-/// map, it refuses the true ones that come later. Each new one that is refused is tried: with its loss graduated so much that it
-/// pulls, steps lead to a map that agrees with it; then with the loss as given to a minimum, which is kept where its RSS is lower.
-///   source   Yang, Antonante, Tzoumas and Carlone, "Graduated non-convexity for robust spatial perception", RA-L 2020; McGann, Rogers and
-///            Kaess, "Robust incremental smoothing and mapping (riSAM)", ICRA 2023 (graduation of what is new)
+/// A loss whose weight falls to 0 leads to the minimum of the valley in which the values lie. If earlier, false
+/// measurements have bent the map, the loss refuses later, true ones. So each new measurement that is refused is tried
+/// in two stages. First its loss is graduated so much that the measurement pulls, and steps lead to a map that agrees
+/// with it. Then steps with the original loss lead to a minimum, which is kept if its RSS is lower.
+///   source   Yang, Antonante, Tzoumas and Carlone, "Graduated non-convexity for robust spatial perception", RA-L 2020;
+///            McGann, Rogers and Kaess, "Robust incremental smoothing and mapping (riSAM)", ICRA 2023 (graduation of new
+///            measurements)
 #include <algorithm>
 #include <initializer_list>
 #include <utility>
@@ -17,14 +19,15 @@
 namespace slom {
 
 namespace {
-/// A measurement is refused where its weight is below this.
+/// Weight below which a measurement counts as refused.
 constexpr double kRefused = 0.1;
-/// |W r|^2 / c^2 at which a measurement pulls, by all losses that refuse.
+/// W r|^2 / c^2 at which a measurement pulls, for all losses that refuse.
 constexpr double kPulling = 0.1;
-/// The largest number of steps with the loss graduated, and their tolerance.
+/// Largest number of steps with the graduated loss, and their tolerance.
 constexpr int kTrialSteps = 15;
 constexpr double kTrialTolerance = 1e-4;
-/// By how much the RSS must be lower, relative to what the refused measurement adds to it. With much more, true ones are refused for good.
+/// Necessary decrease of the RSS, relative to the cost of the refused measurement. A much larger value would refuse
+/// true measurements for good.
 constexpr double kBetter = 0.02;
 }  // namespace
 
@@ -46,12 +49,12 @@ bool OnlineFit::isRefused(Place place) const {
   return loss.evaluate(squaredResidual(place)).first < kRefused;
 }
 
-/// Whether the call may begin no further step.
+/// Returns whether the call may begin no further step.
 bool OnlineFit::isExhausted(const UpdateOptions& options) const {
   return flops() >= options.budget || steps_ >= options.max_steps;
 }
 
-/// Drops the values of trials that were ended: all, or those of trials with variables that somebody else has moved since.
+/// Drops the values of ended trials: of all trials, or of those with variables that were moved from outside since.
 void OnlineFit::forgetTrialValues(bool all) {
   const auto moves = problem_.movedSince(value_revision_);
   for (Trial& trial : waiting_) {
@@ -66,7 +69,7 @@ bool OnlineFit::mayBegin(const Trial& trial, double operations, int steps) const
   return operations > trial.operations && steps > trial.steps;
 }
 
-/// Tries it, or goes on with it. The values are those of the trial in any case.
+/// Tries a measurement, or continues its trial. Leaves the values of the trial, whatever the verdict.
 OnlineFit::Verdict OnlineFit::tryIt(Trial& trial, Place place, const UpdateOptions& options) {
   const Loss& loss = *problem_.pools()[at(place.first)]->lossOf(place.second);
   const double graduation = squaredResidual(place) / (kPulling * loss.scale() * loss.scale());
@@ -90,7 +93,7 @@ OnlineFit::Verdict OnlineFit::tryIt(Trial& trial, Place place, const UpdateOptio
     if (end == End::stuck) return Verdict::worse;
     if (end != End::near && isExhausted(options)) return Verdict::unknown;
     trial.is_graduated = false;
-    if (others >= most) return Verdict::worse;  // even where it agrees, the others lose more than it gains
+    if (others >= most) return Verdict::worse;  // even then, the others lose more than this one gains
     if (isExhausted(options)) return Verdict::unknown;
   }
   const End end = descend(options);
@@ -98,8 +101,8 @@ OnlineFit::Verdict OnlineFit::tryIt(Trial& trial, Place place, const UpdateOptio
   return end == End::near && rss() < most ? Verdict::better : Verdict::worse;
 }
 
-/// Tries what waits, the oldest first, as long as the call has operations and steps left. What was tried to the end, is no longer refused or
-/// was removed waits no longer.
+/// Tries the waiting measurements, oldest first, while the call has operations and steps left. A measurement stops
+/// waiting if its trial is complete, if it is no longer refused or if it was removed.
 OnlineFit::End OnlineFit::reconsiderAll(const UpdateOptions& options, UpdateSummary& summary) {
   End end = End::near;
   for (Trial& trial : waiting_) {
@@ -117,7 +120,7 @@ OnlineFit::End OnlineFit::reconsiderAll(const UpdateOptions& options, UpdateSumm
   return end;
 }
 
-/// Tries one, and takes the values back where that is not better.
+/// Tries one measurement, and restores the values if they are not better.
 OnlineFit::End OnlineFit::reconsider(Trial& trial, Place place, const UpdateOptions& options,
                                      UpdateSummary& summary) {
   trial_ = std::make_unique<ValueSnapshot>(problem_, std::initializer_list<int>{});

@@ -11,9 +11,9 @@ namespace slom {
 namespace {
 
 constexpr int kMostActiveSets = 10;  // in one linearisation
-constexpr double kAtBound = 1e-14;   // relative: rounding errors of a step that ends at a bound
+constexpr double kAtBound = 1e-14;   // relative; rounding of a step that ends at a bound
 
-/// Calls f(variable, i, bound, x, component) for bound i of each optimised variable, x its coordinate.
+/// Calls f(variable, i, bound, x, component) for bound i of each optimised variable; x is its coordinate.
 template <class F>
 void forEachBound(const Problem& problem, const F& f) {
   const ActiveSet& active = problem.activeSet();
@@ -28,8 +28,8 @@ void forEachBound(const Problem& problem, const F& f) {
   }
 }
 
-/// Brings `active` up to date with the last linearisation of `linearizer`, whose gradient is g. Returns whether anything changed, so that
-/// columns of J are others.
+/// Updates `active` from the last linearisation of `linearizer`, whose gradient is g. Returns whether anything changed,
+/// so that columns of J change.
 bool updateActiveBounds(const Problem& problem, const ProblemStructure& structure,
                         const Linearizer& linearizer, const Eigen::VectorXd& g, ActiveSet& active) {
   bool has_changed = false;
@@ -75,7 +75,7 @@ void roundToBounds(const Problem& problem) {
     if (inside == x) return;
     const VariableRecord& record = problem.variables()[at(v)];
     std::vector<double> d(at(record.dof), 0.0);
-    d[at(bound.component)] = inside - x;  // exact, as they are neighbours
+    d[at(bound.component)] = inside - x;  // exact, because the two are neighbouring numbers
     record.store->boxplus(record.store->valueAt(record.slot), d.data());
   });
 }

@@ -6,21 +6,22 @@
 namespace slom {
 
 namespace {
-/// Largest predicted decrease, as a share of a variance, that rounding may make unachievable.
+/// Largest predicted decrease, as a fraction of a variance, that rounding may make unachievable.
 constexpr double kMostRounding = 1e-4;
 /// An RSS below these limits, absolute and relative to the first one, is rounding error.
 constexpr double kPerfect = 1e-30, kLittleOfTheFirst = 1e-20;
-/// Largest share of the RSS that rounding of the values may change where rank is lost, and share above which the RSS is rounding itself.
+/// Largest fraction of the RSS that rounding of values may change if rank is lost, and fraction above which the RSS is
+/// rounding itself.
 constexpr double kMostHidden = 1e-10, kIsRounding = 1e-2;
-/// Where residuals have no scale, the cosine of residual and columns below which a small decrease by a damped
-/// step is the end.
+/// Cosine of residual and columns, for residuals without a scale. Below it, a damped step with a small decrease ends
+/// the fit.
 constexpr double kFlat = 1e-2;
-/// Central differences have some ten digits, and where no step leads downhill, gradients from them cannot be
-/// smaller.
+/// Limit of gradients from central differences. Such differences have about 10 digits, so these gradients cannot be
+/// smaller even if no step leads downhill.
 constexpr double kNumericGradient = 1e-8;
 }  // namespace
 
-/// The variance of residuals of unit weight. Where it is not stated, the residuals may show that it is smaller
+/// Returns the variance of residuals of unit weight. If it is not stated, the residuals may show that it is smaller
 /// than 1.
 double Convergence::variance(double rss) const {
   if (!sigma_is_estimated_ && is_stated_) return 1;
@@ -40,8 +41,9 @@ bool Convergence::isRounding(double promised, double rss) {
   return promised <= kMostRounding * variance(rss) && promised <= evaluator_.roundingOfPromises();
 }
 
-/// Without full rank, residuals that are small differences of large numbers (x - y with both near 1e9) say nothing of
-/// directions in which these move together, unless all of them is rounding.
+/// Returns the promise, marked as unknown if rank is lost and rounding matters. Residuals may be small differences of
+/// large numbers (x - y with both near 1e9). Without full rank, they say nothing about directions in which these
+/// numbers move together, unless all residuals are rounding.
 Evaluator::Promise Convergence::promiseAt(double rss, bool carefully, double most) {
   Evaluator::Promise promise = evaluator_.promise(carefully, most);
   if (!promise.is_known || promise.has_full_rank) return promise;
@@ -55,7 +57,7 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   const double perfect = std::max(kPerfect, decrease_tolerance * decrease_tolerance);
   if (outcome.rss_after <= perfect && outcome.rss_after <= kLittleOfTheFirst * first_rss_)
     return StopReason::decrease;
-  if (!outcome.status.ok) return std::nullopt;  // without full rank the predicted decrease is not known
+  if (!outcome.status.ok) return std::nullopt;  // without full rank, the predicted decrease is unknown
   const double little = decrease_tolerance * outcome.rss_before;
   const bool has_gradient = gradient <= options_.gradient_tolerance;
   bool has_decrease =
@@ -67,11 +69,11 @@ std::optional<StopReason> Convergence::afterStep(const StepOutcome& outcome, dou
   }
   double promised = outcome.predicted_decrease;
   if (!evaluator_.solver().isExact()) promised = std::max(promised, gradient * gradient * outcome.rss_before);
-  // Residuals without a scale are judged as other libraries do: by the decrease of a step that was not refused.
+  // Residuals without a scale are judged as in other libraries: by the decrease of a step that was not refused.
   const bool is_relative = std::isinf(options_.deviation_tolerance);
   if (is_relative && has_decrease && outcome.trials == 1 && gradient <= kFlat) return StopReason::decrease;
   if (!outcome.is_undamped) {
-    // Each answer costs a factorisation.
+    // Each promise costs a factorisation, so only candidates 1, 2, 4, ... are tested.
     if (++candidates_; (candidates_ & (candidates_ - 1)) != 0) return std::nullopt;
     const Evaluator::Promise promise =
         promiseAt(outcome.rss_after, !is_relative, mostNear(outcome.rss_after));
@@ -111,22 +113,22 @@ std::optional<StopReason> Convergence::whenStuck(double gradient, double decreas
         return StopReason::decrease;
       if (evaluator_.isNegligible(promise.step, options_.step_tolerance)) return StopReason::step;
     }
-    // A function that needs long steps of its differences has no finer values than they show.
+    // If a function needs long steps for its differences, its values are no finer than these steps show.
     const double step = evaluator_.problem().largestStatedStep();
     if (promise.decrease <= step * step * std::min(rss, variance(rss))) return StopReason::decrease;
   }
   const double tolerance = std::max(options_.gradient_tolerance,
                                     evaluator_.problem().hasNumericDerivatives() ? kNumericGradient : 0);
   if (gradient > tolerance || gradient * gradient * rss > kMostRounding * variance(rss)) return std::nullopt;
-  // Where J loses its rank at the solution, the linear model predicts a decrease that no step achieves, and the
-  // gradient shows it for each unknown. Where columns of J are nearly dependent, it does so too; but then
-  // the prediction comes true.
+  // If J loses its rank at the solution, the linear model predicts a decrease that no step achieves. The gradient then
+  // shows the end for each unknown. If columns of J are nearly dependent, the gradient is small as well, but a step
+  // achieves the predicted decrease.
   has_advanced_ = evaluator_.advance(promise);
   return has_advanced_ ? std::nullopt : std::optional(StopReason::gradient);
 }
 
 bool Convergence::isHidden() {
-  constexpr double small = 1e-8;  // share of a variance: 1e-4 standard deviations
+  constexpr double small = 1e-8;  // fraction of a variance: 1e-4 standard deviations
   const double rss = evaluator_.linearize();
   const Evaluator::Promise promise = promiseAt(rss, std::isfinite(options_.deviation_tolerance));
   return promise.is_known && promise.decrease <= Evaluator::kRounding * rss &&

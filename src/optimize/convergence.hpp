@@ -1,5 +1,5 @@
-/// When a fit has converged. All tests look at the decrease that the linear model predicts without damping: a short step that
-/// was refused, or whose predicted decrease is small, says nothing.
+/// Convergence of a fit. All tests use the decrease that the linear model predicts without damping. A short step that
+/// was refused, or that predicts a small decrease, proves nothing.
 #pragma once
 
 #include <limits>
@@ -19,24 +19,25 @@ class Convergence {
         sigma_is_estimated_(sigma_is_estimated),
         is_stated_(statesAllNoise(evaluator.problem())) {}
 
-  /// `rss` is that of the start.
+  /// Begins a fit whose start has this `rss`.
   void begin(double rss) { first_rss_ = rss; }
-  /// The test after a step that was taken from where Evaluator::orthogonality() was `gradient`.
+  /// Tests for convergence after a step. `gradient` is Evaluator::orthogonality() before the step.
   std::optional<StopReason> afterStep(const StepOutcome& outcome, double gradient, double decrease_tolerance);
-  /// Whether many successive steps have changed the RSS only by rounding, and the predicted decrease hardly. To be called after each
-  /// step that was taken and is not the last.
+  /// Returns whether many successive steps changed the RSS only by rounding and the predicted decrease hardly. Call it
+  /// after each step that was taken, except the last.
   bool creeps(const StepOutcome& outcome);
-  /// The test where no step was taken. Without `has_rank`, as the algorithm has found it, only the gradient decides.
+  /// Tests for convergence if no step was taken. If the algorithm found no full rank (`has_rank` false), only the
+  /// gradient decides.
   std::optional<StopReason> whenStuck(double gradient, double decrease_tolerance, bool has_rank = true);
-  /// Whether the decrease that is predicted where no step helps, even from a fresh start of the algorithm, is hidden by
-  /// rounding errors of the RSS and small beside a standard deviation.
+  /// Returns whether the predicted decrease is hidden by rounding errors of the RSS and small compared with a standard
+  /// deviation. Call it if no step helps, even from a fresh start of the algorithm.
   bool isHidden();
-  /// Whether whenStuck has found no reason to stop but a step of its own, and taken it.
+  /// Returns whether whenStuck() found no reason to stop, but took a step of its own.
   bool hasAdvanced() const { return has_advanced_; }
 
  private:
   double variance(double rss) const;
-  /// The largest promise at which the end is near.
+  /// Returns the largest promise at which the end is near.
   double mostNear(double rss) const;
   bool isNear(double promised, double rss) const;
   bool isRounding(double promised, double rss);
@@ -47,10 +48,9 @@ class Convergence {
   const Options& options_;
   bool sigma_is_estimated_, is_stated_;
   double first_rss_ = 0;
-  int candidates_ = 0;    // since the last step that was none
-  int hidden_steps_ = 0;  // that changed the RSS by rounding alone, one after the other
-  double hidden_promise_ =
-      std::numeric_limits<double>::infinity();  // when last looked at, some such steps ago
+  int candidates_ = 0;    // since the last step that was no candidate
+  int hidden_steps_ = 0;  // successive steps that changed the RSS by rounding alone
+  double hidden_promise_ = std::numeric_limits<double>::infinity();  // at the last look, some such steps ago
   bool has_advanced_ = false;
 };
 

@@ -14,13 +14,13 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr int kMostTrials = 200;  // halving a radius that often leaves nothing of it
+constexpr int kMostTrials = 200;  // halving a radius that often reduces it to nothing
 
-/// The point of the dog leg from 0 over `cauchy` to `newton` at distance `radius` (all in scaled unknowns).
+/// Returns the point at distance `radius` on the dog leg from 0 over `cauchy` to `newton` (all in scaled unknowns).
 VectorXd dogLegPoint(const VectorXd& cauchy, const VectorXd& newton, double radius) {
   if (newton.norm() <= radius) return newton;
   if (cauchy.norm() >= radius) return cauchy * (radius / cauchy.norm());
-  // |cauchy + beta (newton - cauchy)| = radius, written so that nothing cancels.
+  // The formula for |cauchy + beta (newton - cauchy)| = radius avoids cancellation.
   const VectorXd leg = newton - cauchy;
   const double c = cauchy.dot(leg), a = leg.squaredNorm();
   const double gap = radius * radius - cauchy.squaredNorm();
@@ -29,7 +29,7 @@ VectorXd dogLegPoint(const VectorXd& cauchy, const VectorXd& newton, double radi
   return cauchy + beta * leg;
 }
 
-/// The step with the least of some dampings, relative to the scales, that gives it a solution.
+/// Solves with the smallest of some dampings, relative to the scales, that has a solution.
 SolveStatus leastDamped(Evaluator& evaluator, const VectorXd& scale, VectorXd& step) {
   SolveStatus status;
   for (const double damping : {1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2}) {
@@ -63,8 +63,8 @@ StepOutcome DogLeg::step(Evaluator& evaluator, const Options& options) {
   const VectorXd scale = scales_.update(evaluator).cwiseSqrt();
   VectorXd newton;
   outcome.status = evaluator.solveUndamped(newton);
-  // A problem that had full rank at the start, from when the radius is known, may lose it on the way and find
-  // it again. The status still says so: there is no claim of convergence where the rank is lost.
+  // A problem with full rank at the start (so the radius is known) may lose rank on the way and regain it. The status
+  // still reports the loss, so no convergence is claimed there.
   const bool is_regularized = !outcome.status.ok && radius_ > 0 && !(initial_radius_ > 0);
   if (!outcome.status.ok && !(is_regularized && leastDamped(evaluator, scale, newton).ok)) {
     outcome.kind = StepOutcome::Kind::singular;
@@ -89,8 +89,7 @@ StepOutcome DogLeg::step(Evaluator& evaluator, const Options& options) {
     outcome.step = scaled.cwiseQuotient(scale);
     outcome.predicted_decrease = evaluator.predictedDecrease(outcome.step);
     outcome.is_undamped = evaluator.solver().isExact() && !is_regularized && scaled == newton;
-    // Where rounding hides the RSS, closeness is measured by the damping that makes steps of about this
-    // length.
+    // If rounding hides the RSS, closeness is measured with the damping that gives steps of about this length.
     VectorXd damping;
     double promised_damped = promised;
     if (!outcome.is_undamped && evaluator.mayBeRounding(outcome.predicted_decrease)) {
@@ -112,7 +111,7 @@ StepOutcome DogLeg::step(Evaluator& evaluator, const Options& options) {
     if (rho > 0.75) {
       radius_ = std::max(radius_, 3 * scaled.norm());
     } else if (!(rho >= 0.25)) {
-      radius_ = std::min(scaled.norm(), radius_) / 2;  // radius / 2 where the norm is not a number
+      radius_ = std::min(scaled.norm(), radius_) / 2;  // radius / 2 if the norm is not a number
     }
     if (is_better) {
       outcome.rss_after = rss;

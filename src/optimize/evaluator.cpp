@@ -12,8 +12,7 @@
 namespace slom {
 
 namespace {
-/// Whether the largest of some products of squares is right: none of those that matter has left the range of
-/// numbers.
+/// Returns whether the largest of some products of squares is right: no product that matters overflowed or underflowed.
 bool isWellScaled(double largest) { return largest > 1e-200 && largest < 1e200; }
 }  // namespace
 
@@ -85,7 +84,7 @@ double Evaluator::linearize() {
   return rss_;
 }
 
-/// Products of what is linearised must stay numbers.
+/// Checks that products of the linearisation are finite.
 void Evaluator::requireRange() {
   requireGradientLengths(*solver_, structure_.system.unknowns());
   if (rss_ <= Linearizer::kLargestRss && solver_->gradient().allFinite() && solver_->diagonal().allFinite())
@@ -127,7 +126,7 @@ double Evaluator::tryLikelyStep(const Eigen::VectorXd& d) {
   move(d);
   try {
     return linearize();
-  } catch (const Error&) {  // something is not finite there, or threw: found out in the usual way
+  } catch (const Error&) {  // not finite, or the function threw; the usual path reports it
     undo();
     return tryStep(d);
   } catch (...) {
@@ -170,7 +169,7 @@ void Evaluator::setLossGraduation(double mu) {
 
 bool Evaluator::mayBeRounding(double change) const {
   constexpr double most = 1e-8;
-  constexpr double steep = 0.1;  // there residuals change with a step much more than by rounding
+  constexpr double steep = 0.1;  // from here on, a step changes residuals much more than rounding does
   return std::abs(change) <= kNoise * rss_ || (std::abs(change) <= most * rss_ && orthogonality() <= steep);
 }
 
@@ -184,7 +183,7 @@ double Evaluator::orthogonality(const Eigen::VectorXd& gradient, const Eigen::Ve
   const auto g = gradient.array();
   const auto h = diagonal.array();
   if (g.size() == 0 || !(r > 0)) return 0;
-  if ((h <= 0 && g != 0).any()) return 1;  // a column whose length rounding errors or underflow have eaten
+  if ((h <= 0 && g != 0).any()) return 1;  // rounding or underflow destroyed the length of a column
   const double squared = (h > 0).select(g.square() / h, 0.0).maxCoeff();
   if (isWellScaled(squared)) return std::sqrt(squared) / r;
   return (h > 0).select(g.abs() / h.sqrt(), 0.0).maxCoeff() / r;
@@ -216,8 +215,8 @@ SolveStatus Evaluator::solve(const Eigen::VectorXd& damping, Eigen::VectorXd& st
   return status;
 }
 
-/// Where the solver finds no rank, the careful one looks again, and takes over if it finds it. Returns the
-/// last word, and sets `has_changed` where there is another solver to ask.
+/// Lets the careful solver look again if the solver found no full rank; if it finds full rank, it takes over. Returns
+/// the final status. Sets `has_changed` if another solver is to be used.
 SolveStatus Evaluator::lookAgain(SolveStatus status, bool& has_changed) {
   has_changed = false;
   if (status.ok) return status;
@@ -239,7 +238,7 @@ double Evaluator::digitsOfDerivatives(const Problem& problem) {
   return problem.hasNumericDerivatives() ? kNumericDigits : kExactDigits;
 }
 
-/// Components that are fixed or at an active bound do not move by what rounding leaves of their equations.
+/// Sets d to 0 for components that are fixed or at an active bound: rounding in their equations must not move them.
 void Evaluator::clearConstrained(Eigen::VectorXd& d) const {
   for (const int v : problem_.activeSet().constrained()) {
     const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
@@ -252,7 +251,7 @@ void Evaluator::clearConstrained(Eigen::VectorXd& d) const {
 
 bool Evaluator::isNegligible(const Eigen::VectorXd& d, double tolerance) {
   std::vector<double> sizes;
-  for (int v = 0; v < structure_.system.blockCount(); ++v) {  // seldom beyond the first
+  for (int v = 0; v < structure_.system.blockCount(); ++v) {  // usually ends at the first one
     if (structure_.system.isEmpty(v)) continue;
     const VariableRecord& record = problem_.variables()[static_cast<std::size_t>(v)];
     sizes.resize(static_cast<std::size_t>(record.dof));

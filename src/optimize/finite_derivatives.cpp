@@ -3,7 +3,7 @@
 namespace slom {
 
 namespace {
-/// Part of the way to a bound that is tried first, and the factor of each further one.
+/// Fraction of the way to a bound that is tried first, and the factor for each further one.
 constexpr double kFirstPart = 0.9, kShorter = 0.5;
 constexpr int kMostShorterSteps = 20;
 }  // namespace

@@ -5,7 +5,7 @@
 namespace slom {
 
 namespace {
-/// A stage is over when the RSS falls by less than this, relatively.
+/// Relative decrease of the RSS below which a stage is over.
 constexpr double kStageTolerance = 1e-3;
 }  // namespace
 

@@ -1,4 +1,4 @@
-/// The end of a fit from outside: at its time limit, or because the user's program asks for it.
+/// The end of a fit from outside: at its time limit, or on request of the user's program.
 #pragma once
 
 #include <chrono>
@@ -8,22 +8,22 @@
 
 namespace slom {
 
-/// The clock of a fit runs from construction. What has interrupted the fit once holds until its end.
+/// The clock of a fit, which runs from construction. An interruption holds until the end of the fit.
 class Interruption {
  public:
   explicit Interruption(const Options& options) : options_(options) {}
 
-  /// Why the fit is to end at once, where it is. Asks Options::should_stop.
+  /// Returns the reason to end the fit at once, at its present values. Calls Options::should_stop.
   std::optional<StopReason> reason() {
     if (!reason_ && options_.should_stop && options_.should_stop()) reason_ = StopReason::interrupted;
     if (!reason_ && seconds() > options_.max_seconds) reason_ = StopReason::time_limit;
     return reason_;
   }
-  /// The observer asks for the end.
+  /// Records that the observer requests the end.
   void request() {
     if (!reason_) reason_ = StopReason::interrupted;
   }
-  /// Since the fit began.
+  /// Returns the time since the fit began [s].
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }

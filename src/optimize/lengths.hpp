@@ -1,4 +1,4 @@
-/// Solvers and algorithms may be a user's own: what they return must have the lengths of the problem.
+/// Checks of lengths. Solvers and algorithms may be a user's own; their results must have the lengths of the problem.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,13 +7,14 @@
 
 namespace slom {
 
-/// Throws [slom.wrong-length], naming the solver, unless its gradient and the diagonal of its H have an entry for each unknown.
+/// Throws [slom.wrong-length], naming the solver, unless its gradient and the diagonal of its H have an entry for each
+/// unknown.
 void requireGradientLengths(const LinearSolver& solver, int unknowns);
 
-/// Throws the same unless a solution of the solver has a row for each unknown.
+/// Throws [slom.wrong-length] unless a solution of the solver has a row for each unknown.
 void requireSolutionLength(const LinearSolver& solver, Eigen::Index rows, int unknowns);
 
-/// Throws the same unless a step that an algorithm wants to take has an entry for each unknown.
+/// Throws [slom.wrong-length] unless a step that an algorithm wants to take has an entry for each unknown.
 void requireStepLength(Eigen::Index entries, int unknowns);
 
 }  // namespace slom

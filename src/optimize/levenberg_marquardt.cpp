@@ -12,8 +12,7 @@ namespace slom {
 
 namespace {
 constexpr double kLargestDamping = 1e32;
-/// A step with damping below this share of the first one is likely to be taken: only good ones make it fall
-/// so far.
+/// Fraction of the first damping below which a step is likely to be taken: only good steps lower the damping so far.
 constexpr double kLikelyDamping = 0.125;
 constexpr double kHardlyDamped = 1;
 }  // namespace
@@ -28,7 +27,7 @@ Eigen::Map<const Eigen::VectorXd> ColumnScaling::update(Evaluator& evaluator, do
   }
   for (std::size_t i = 0; i < size; ++i) {
     largest_[i] = std::max(memory * largest_[i], diagonal[static_cast<Eigen::Index>(i)]);
-    // An unknown that no measurement sees gets 1, so that damping holds it where it is.
+    // An unknown that no measurement depends on gets 1, so that damping holds it where it is.
     scale_[i] = largest_[i] > 0 ? largest_[i] : 1.0;
   }
   return {scale_.data(), diagonal.size()};
@@ -81,7 +80,8 @@ StepOutcome LevenbergMarquardt::step(Evaluator& evaluator, const Options& option
       const double rss = is_likely ? evaluator.tryLikelyStep(outcome.step) : evaluator.tryStep(outcome.step);
       const double decrease = outcome.rss_before - rss;
       was_finite = std::isfinite(rss);
-      // With first estimates the gradient is not that of the RSS, which rises by up to what a step promises.
+      // With first estimates, the gradient is not that of the RSS. The RSS may rise by up to the step's predicted
+      // decrease.
       const bool may_rise = !evaluator.problem().firstEstimates().isEmpty() && decrease <= 0 &&
                             decrease >= -outcome.predicted_decrease;
       const bool is_judged = !may_rise && (!evaluator.mayBeRounding(decrease) ||

@@ -12,19 +12,19 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Directions along which steps are tried, at most: each may need several hundred evaluations.
+/// Largest number of directions along which steps are tried: each may need several hundred evaluations.
 constexpr Index kMostTried = 6;
-/// Entries below this share of a direction's largest do not count as moving.
+/// Fraction of a direction's largest entry below which an entry does not count as moving.
 constexpr double kMovesAlong = 1e-5;
-/// Least decrease of the RSS that a step along a free direction is taken for, relative to the RSS.
+/// Smallest decrease, relative to the RSS, for which a step along a free direction is taken.
 constexpr double kLeastGain = 1e-9;
 
-/// Change of the RSS, relative to the RSS, up to which a move has left it the same.
+/// Change of the RSS, relative to the RSS, up to which the RSS counts as unchanged.
 constexpr double kSameRss = 1e-6;
-/// Step that shows whether the RSS rises.
+/// Length of the step that shows whether the RSS rises.
 constexpr double kRisingStep = 0.1;
-/// Lengths of steps, of moves that leave the RSS the same, and of steps from there: the largest change of a component, relative to its
-/// size.
+/// Lengths of steps, of moves that leave the RSS unchanged, and of steps from there. A length is the largest change of
+/// a component, relative to its size.
 constexpr double kEscapeSteps[] = {10, 3, 1, 0.3, 0.1, 0.03, 0.01, 1e-3};
 constexpr double kFlatSteps[] = {0.25, 0.5, 0.75, 1.02, 1.1, 1.25, 1.5, 2, 3, 5, 10, 30, 100, 1e3, 1e4};
 constexpr double kSplitSteps[] = {0.3, 0.1, 0.03, 0.01};
@@ -90,7 +90,7 @@ bool LostRank::examine() {
   return true;
 }
 
-/// Tries steps along these directions from the current values. Remembers in `best_` where the RSS falls below `least_`.
+/// Tries steps along these directions from the current values. Keeps in `best_` the values with an RSS below `least_`.
 void LostRank::tryAlong(const MatrixXd& steps, std::span<const double> lengths) {
   for (Index k = 0; k < steps.cols() && !evaluator_.mustStop(); ++k) {
     for (const double length : lengths) {
@@ -106,7 +106,7 @@ void LostRank::tryAlong(const MatrixXd& steps, std::span<const double> lengths) 
   }
 }
 
-/// Goes along each direction as far as the RSS stays the same, and tries steps along those that are free there.
+/// Moves along each direction as far as the RSS is unchanged, and tries steps along the directions that are free there.
 void LostRank::tryFromFlatMoves(double rss) {
   ValueSnapshot here(evaluator_.problem());
   for (Index k = 0; k < steps_.cols(); ++k) {
@@ -122,8 +122,8 @@ void LostRank::tryFromFlatMoves(double rss) {
   }
 }
 
-/// Whether the RSS rises along each direction, both ways: then curvature of second order makes the point a minimum, though J has not full
-/// rank, as where two equal rates fit best.
+/// Returns whether the RSS rises along each direction, both ways. Then second-order curvature makes the point a minimum
+/// although J has no full rank, for example if two equal rates fit best.
 bool LostRank::isMinimum() {
   const double rss = evaluator_.linearize();
   bool rises = true;

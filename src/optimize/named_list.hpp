@@ -1,6 +1,7 @@
-// What each line of named_list.inc refers to; the source of the algorithm defines it:
+// Declarations for the lines of named_list.inc. The source of each algorithm defines its own:
 //
-//     const NamedAlgorithm detail::algorithms::line_search{"line-search", "Gauss-Newton with a line search", &makeAlgorithm<LineSearch>};
+//     const NamedAlgorithm detail::algorithms::line_search{"line-search", "Gauss-Newton with a line search",
+//                                                                 &makeAlgorithm<LineSearch>};
 #pragma once
 
 #include "slom/optimize/named.hpp"

@@ -20,7 +20,8 @@ namespace slom {
 
 namespace {
 
-/// One fit: iterations until there is a reason to stop; around them a second attempt or the stages of graduated non-convexity.
+/// One fit: iterations until there is a reason to stop. Around them, a second attempt or the stages of graduated
+/// non-convexity.
 class Run {
  public:
   Run(Evaluator& evaluator, Algorithm& algorithm, const Options& options, bool sigma_is_estimated,
@@ -75,7 +76,7 @@ class Run {
     try {
       while (!reason)
         reason = summary_.iterations < limits_.max_iterations ? iterateOnce() : StopReason::max_iterations;
-    } catch (...) {  // the values stay the best ones reached
+    } catch (...) {  // the best values reached so far stay
       algorithm_->finish(evaluator_);
       goBackToBest();
       throw;
@@ -89,8 +90,8 @@ class Run {
     return *reason;
   }
 
-  /// Iterates; where that ends at a saddle or on a plateau, leaves it by a step along a direction that has become free, if one leads
-  /// downhill, and goes on.
+  /// Iterates. If the iterations end at a saddle or on a plateau, leaves it by a step along a direction that has become
+  /// free, if such a step leads downhill, and continues.
   StopReason iterateToRank() {
     constexpr int most_escapes = 20;
     StopReason reason = iterate();
@@ -107,7 +108,7 @@ class Run {
     return reason;
   }
 
-  /// Remembers the current values where they are the best so far, and the algorithm may leave them for worse ones.
+  /// Keeps the current values if they are the best so far and the algorithm may leave them for worse ones.
   void keepBest(double rss) {
     if (!algorithm_->mayGoUphill() || evaluator_.lossGraduation() != 1 || (best_ && rss >= best_rss_)) return;
     best_.emplace(evaluator_.problem());
@@ -119,12 +120,13 @@ class Run {
     summary_.final_rss = evaluator_.rss();
   }
 
-  /// Linearises; has the algorithm solve, try the step and accept or reject it; records. Returns why to stop, if so.
+  /// Performs an iteration: linearises; lets the algorithm solve, try the step and accept or reject it; records.
+  /// Returns the reason to stop, if any.
   std::optional<StopReason> iterateOnce() {
     if (const auto stop = interruption_.reason()) return stop;
     keepBest(evaluator_.linearize());
     const double gradient = evaluator_.orthogonality();
-    // A system without full rank is reported even when the RSS could not be smaller; the step finds out.
+    // A system without full rank is reported even if the RSS cannot be smaller. The step detects it.
     StepOutcome outcome = algorithm_->step(evaluator_, step_limits_);
     if (outcome.kind == StepOutcome::Kind::stopped) return interruption_.reason();
     if (outcome.kind == StepOutcome::Kind::taken)
@@ -148,7 +150,7 @@ class Run {
     }
   }
 
-  /// The step was accepted.
+  /// Handles an accepted step.
   std::optional<StopReason> afterStep(const StepOutcome& outcome, double gradient) {
     is_fresh_ = false;
     if (const auto reason = convergence_.afterStep(outcome, gradient, limits_.decrease_tolerance))
@@ -160,7 +162,7 @@ class Run {
     return std::nullopt;
   }
 
-  /// All steps that were tried were rejected.
+  /// Handles an iteration in which all tried steps were rejected.
   std::optional<StopReason> whenStuck(const StepOutcome& outcome, double gradient) {
     const auto reason = convergence_.whenStuck(gradient, limits_.decrease_tolerance, outcome.status.ok);
     if (reason) return reason;
@@ -173,7 +175,7 @@ class Run {
       record({}, gradient);
       return std::nullopt;
     }
-    // The algorithm's state from earlier steps may block it, or it took a small predicted decrease for none.
+    // The algorithm's state from earlier steps may block it, or it may have taken a small predicted decrease for 0.
     if (is_fresh_) return convergence_.isHidden() ? StopReason::decrease : StopReason::no_progress;
     algorithm_->reset();
     step_limits_.decrease_tolerance = step_limits_.deviation_tolerance = 0;
@@ -181,7 +183,7 @@ class Run {
     return std::nullopt;
   }
 
-  /// One line of the trace, which the observer sees.
+  /// Records one line of the trace for the observer.
   void record(const StepOutcome& outcome, double gradient) {
     IterationRecord line;
     line.iteration = summary_.iterations;
@@ -205,8 +207,8 @@ class Run {
 
   // ---- a second attempt
 
-  /// Iterates; where that fails after long first steps, again from the start by short ones. Where those end no better, what the first
-  /// ones found stays.
+  /// Iterates. If that fails after long first steps, iterates again from the start with short steps. If those end no
+  /// better, keeps the result of the first.
   StopReason iterateOrRestart() {
     Restart restart(evaluator_);
     const StopReason first = iterateToRank();
@@ -259,7 +261,8 @@ class Run {
     }
   }
 
-  /// Whether a stage that stopped for this reason is the last one, though the graduation parameter of its losses is above 1.
+  /// Returns whether a stage that stopped for this reason is the last one although the graduation parameter of its
+  /// losses is above 1.
   bool endsTheFit(StopReason reason) const {
     if (reason == StopReason::max_iterations) return summary_.iterations >= most_iterations_;
     return reason == StopReason::rank_deficient || reason == StopReason::not_finite ||
@@ -277,13 +280,13 @@ class Run {
   Algorithm* algorithm_;
   const Options& options_;
   Options limits_;         // limits of the stage
-  Options step_limits_;    // those that the algorithm's steps get
-  bool is_fresh_ = false;  // no step was taken since the algorithm was reset where it was stuck
+  Options step_limits_;    // limits for the algorithm's steps
+  bool is_fresh_ = false;  // no step was taken since the stuck algorithm was reset
   Convergence convergence_;
   Interruption interruption_;
   LostRank lost_rank_;
   bool has_lost_rank_ = false;
-  std::optional<ValueSnapshot> best_;  // of an algorithm that may go uphill
+  std::optional<ValueSnapshot> best_;  // for an algorithm that may go uphill
   double best_rss_ = 0;
   int most_iterations_ = 0;
   Summary summary_;

@@ -5,10 +5,10 @@
 
 namespace slom {
 
-/// Throws [slom.bad-option], which names the option and its value.
+/// Throws [slom.bad-option] with the option and its value unless the options are valid.
 void requireValid(const Options& options);
 
-/// max_iterations or, for Options::kByTheSize, many where each is cheap.
+/// Returns max_iterations or, for Options::kByTheSize, a limit that is large if iterations are cheap.
 int iterationLimit(const Options& options, int unknowns);
 
 }  // namespace slom

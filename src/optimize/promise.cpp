@@ -1,4 +1,4 @@
-// The decrease that the linear model predicts without damping, and whether it can be trusted.
+// Promise: the decrease that the linear model predicts without damping, and whether it can be trusted.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,8 +12,8 @@ Evaluator::Promise Evaluator::promise(bool carefully, double most) {
   linearize();
   Promise result;
   const auto decreaseBy = [&](const Eigen::VectorXd& step) {
-    // Both are g^T H^-1 g; that they differ, or are negative, is rounding error. An inexact solver may find
-    // less, even nothing.
+    // Both values are g^T H^-1 g. A difference, or a negative value, is rounding error. An inexact solver may find
+    // less, even 0.
     return std::max({std::abs(solver_->gradient().dot(step)), predictedDecrease(step),
                      solver_->isExact() ? 0.0 : promiseOfOneUnknown()});
   };
@@ -40,7 +40,7 @@ Evaluator::Promise Evaluator::promise(bool carefully, double most) {
     result.decrease = promised(damping, result.step);
     if (!std::isfinite(result.decrease)) continue;
     const std::vector<int> out_of_sight = unseen;
-    // A predicted decrease that more damping makes smaller would be larger without damping.
+    // If more damping makes a predicted decrease smaller, the decrease without damping would be larger.
     constexpr double more = 100, similar = 1.1;
     Eigen::VectorXd ignored;
     const bool is_similar =
@@ -54,9 +54,9 @@ Evaluator::Promise Evaluator::promise(bool carefully, double most) {
   return result;
 }
 
-/// The decrease that the linear model predicts along columns so nearly dependent that J^T J does not show it: by factorising J
-/// itself, with the least damping that suppresses rounding errors. It replaces `promise` where it is a larger share of the RSS than
-/// rounding can be.
+/// Computes the decrease that the linear model predicts along columns so nearly dependent that J^T J does not show it.
+/// Factorises J itself, with the smallest damping that suppresses rounding errors. Replaces `promise` if the decrease
+/// is a larger fraction of the RSS than rounding can be.
 void Evaluator::lookDeeper(const std::vector<int>& out_of_sight, Promise& promise) {
   constexpr double of_the_digits = 0.1, least_pivot = 1e-15, most_rounding = 1e-5;
   if (mustStop()) return;
@@ -79,7 +79,7 @@ void Evaluator::lookDeeper(const std::vector<int>& out_of_sight, Promise& promis
 }
 
 bool Evaluator::advance(const Promise& promise) {
-  constexpr double kept = 0.25;  // share of the predicted decrease
+  constexpr double kept = 0.25;  // fraction of the predicted decrease
   if (!promise.is_known || promise.step.size() == 0) return false;
   const double before = rss_, after = tryStep(promise.step);
   if (std::isfinite(after) && before - after >= kept * promise.decrease && after < before) return true;

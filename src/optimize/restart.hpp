@@ -1,5 +1,5 @@
-/// The second attempt of a fit: where its long first steps have ended at a point from which it cannot go on, it begins again from the
-/// start with short steps.
+/// The second attempt of a fit. If long first steps end at a point from which the fit cannot continue, the fit begins
+/// again from the start with short steps.
 #pragma once
 
 #include <optional>
@@ -11,29 +11,30 @@
 
 namespace slom {
 
-/// Keeps the values of the start and of the end of the first attempt, and decides which attempt the fit takes its result from. The
+/// Keeps the values at the start and at the end of the first attempt, and decides which attempt gives the result. The
 /// caller iterates in both.
 class Restart {
  public:
-  /// The current values are the start.
+  /// Takes the current values as the start.
   explicit Restart(Evaluator& evaluator) : evaluator_(evaluator), start_(evaluator.problem()) {}
 
-  /// Whether the first attempt, which `reason` has ended, has failed after it had moved the values.
+  /// Returns whether the first attempt, which ended for `reason`, failed after it had moved the values.
   static bool isCalledFor(StopReason reason, const Summary& summary);
-  /// Keeps the end of the first attempt and goes back to the start.
+  /// Keeps the end of the first attempt and returns to the start.
   void begin(StopReason reason, const Summary& summary);
-  /// The algorithm of the second attempt: Levenberg-Marquardt with a large first damping.
+  /// Returns the algorithm of the second attempt: Levenberg-Marquardt with a large first damping.
   Algorithm& algorithm() { return cautious_; }
-  /// Whether the second attempt has converged to a minimum with full rank that is not worse than where the first attempt ended. Linearises there.
+  /// Returns whether the second attempt converged to a minimum with full rank that is not worse than the end of the
+  /// first attempt. Linearises there.
   bool hasSucceeded(StopReason second, double rss);
-  /// What the user should know after a success.
+  /// Returns what to tell the user after a success.
   std::string warning() const;
-  /// After a second attempt that has not succeeded: keeps the better values of the two, whose RSS goes to `rss`. Returns the reason that
-  /// the fit ends for.
+  /// Ends a second attempt that did not succeed: keeps the better values of the two attempts and writes their RSS to
+  /// `rss`. Returns the stop reason of the fit.
   StopReason settle(StopReason second, double& rss);
 
  private:
-  /// First damping where long steps have failed.
+  /// First damping after long steps have failed.
   static constexpr double kCautiousDamping = 1e3;
 
   Evaluator& evaluator_;
@@ -41,7 +42,7 @@ class Restart {
   std::optional<ValueSnapshot> end_;  // values at the end of the first attempt
   StopReason first_ = StopReason::no_progress;
   double first_rss_ = 0;
-  int failed_at_ = 0;  // iteration
+  int failed_at_ = 0;  // iteration at which the first attempt failed
   LevenbergMarquardt cautious_{kCautiousDamping};
 };
 

@@ -8,10 +8,10 @@
 namespace slom {
 
 namespace {
-constexpr int kLarge = 60;       // unknowns
-constexpr int kUphillSteps = 2;  // one after the other, in large problems
+constexpr int kLarge = 60;       // number of unknowns
+constexpr int kUphillSteps = 2;  // successive ones, in large problems
 constexpr int kMostPatience = 16;
-constexpr double kGoodGain = 0.75;  // actual / predicted decrease
+constexpr double kGoodGain = 0.75;  // least actual / predicted decrease of a good step
 }  // namespace
 
 std::unique_ptr<Algorithm> Algorithm::safeguarded() const { return nullptr; }
@@ -31,7 +31,7 @@ void SafeguardedGaussNewton::reset() {
   uphill_ = 0;
 }
 
-/// Whether the step stays. Where rounding hides the change of the RSS, the predicted decrease decides.
+/// Returns whether the step stays. If rounding hides the change of the RSS, the predicted decrease decides.
 bool SafeguardedGaussNewton::isAcceptable(Evaluator& evaluator, const StepOutcome& outcome) {
   if (best_ != nullptr) {
     if (outcome.rss_after < best_rss_) {
@@ -41,15 +41,15 @@ bool SafeguardedGaussNewton::isAcceptable(Evaluator& evaluator, const StepOutcom
     return ++uphill_ <= kUphillSteps;
   }
   if (outcome.rss_after <= outcome.rss_before) return true;
-  // With first estimates the gradient is not that of the RSS, which may rise where a step leads to its root: the predicted decrease,
-  // which is 0 there, decides.
+  // With first estimates, the gradient is not that of the RSS, and the RSS may rise on a step to the gradient's root.
+  // The predicted decrease, which is 0 at the root, decides.
   if (!evaluator.problem().firstEstimates().isEmpty())
     return evaluator.cameCloser({}, outcome.predicted_decrease);
   const bool is_judged = !evaluator.mayBeRounding(outcome.rss_before - outcome.rss_after) ||
                          !evaluator.mayBeRounding(outcome.predicted_decrease);
   if (!is_judged) return evaluator.cameCloser({}, outcome.predicted_decrease);
   if (has_fallen_back_ || evaluator.structure().system.unknowns() < kLarge) return false;
-  // Back for a moment: the values before the step are those to return to.
+  // The step is undone and redone, to save the values before it.
   evaluator.undo();
   best_ = std::make_unique<ValueSnapshot>(evaluator.problem());
   best_rss_ = outcome.rss_before;
@@ -80,12 +80,12 @@ StepOutcome SafeguardedGaussNewton::step(Evaluator& evaluator, const Options& op
     StepOutcome outcome = newton_.step(evaluator, options);
     if (outcome.kind == StepOutcome::Kind::singular) {
       if (best_ == nullptr) return outcome;
-      takeBack(evaluator);  // uphill, to where the rank is missing
+      takeBack(evaluator);  // uphill steps led to a point without full rank
     } else {
       const bool is_taken = outcome.kind == StepOutcome::Kind::taken;
       const bool is_finite = is_taken && evaluator.hasFiniteDerivatives();
       if (is_finite && isAcceptable(evaluator, outcome)) return outcome;
-      // All that is left of the RSS may be rounding errors, whose growth means nothing.
+      // The remaining RSS may be rounding errors. Then its growth means nothing.
       if (is_finite && best_ == nullptr &&
           (evaluator.isNearlyNothing(outcome.predicted_decrease, options) ||
            outcome.rss_before <= evaluator.roundingOfPromises())) {

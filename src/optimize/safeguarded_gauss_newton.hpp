@@ -1,5 +1,4 @@
-/// What Gauss-Newton is where it may fall back: full steps as long as they lead downhill, Levenberg-Marquardt
-/// where they do not.
+/// Gauss-Newton with a fallback: full steps as long as they lead downhill, otherwise Levenberg-Marquardt.
 #pragma once
 
 #include <memory>
@@ -9,13 +8,12 @@
 
 namespace slom {
 
-/// Large problems far from their solution, as graphs of poses are from odometry, need full steps that lead
-/// uphill for a moment: there the RSS must fall below that of the last good values within a few steps only,
-/// else those come back and Levenberg-Marquardt goes on. After steps of its that achieve the predicted decrease,
-/// a full step is tried again; each one refused doubles the number of such steps that must come first.
-///   source   Chamberlain, Powell, Lemarechal and Pedersen, "The watchdog technique for forcing convergence
-///   in algorithms for
-///            constrained optimization", Mathematical Programming Study 16, 1982
+/// Large problems far from their solution, such as pose graphs started from odometry, need full steps that lead uphill
+/// for a moment. The RSS must then fall below that of the last good values within a few steps. Otherwise those values
+/// return and Levenberg-Marquardt continues. After steps of Levenberg-Marquardt that achieve the predicted decrease, a
+/// full step is tried again. Each refused full step doubles the number of such steps required before the next.
+///   source   Chamberlain, Powell, Lemarechal and Pedersen, "The watchdog technique for forcing convergence in
+///            algorithms for constrained optimization", Mathematical Programming Study 16, 1982
 class SafeguardedGaussNewton final : public Algorithm {
  public:
   std::string name() const override;
@@ -23,7 +21,7 @@ class SafeguardedGaussNewton final : public Algorithm {
   void reset() override;
   StepOutcome step(Evaluator& evaluator, const Options& options) override;
   void finish(Evaluator& evaluator) override;
-  bool mayGoUphill() const override { return false; }  // finish() takes back what stays uphill
+  bool mayGoUphill() const override { return false; }  // finish() undoes steps that stay uphill
 
  private:
   bool isAcceptable(Evaluator& evaluator, const StepOutcome& outcome);

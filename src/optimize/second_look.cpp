@@ -41,7 +41,7 @@ SecondLook lookAgain(const Problem& problem, const ProblemStructure& structure, 
   careful->analyze(structure.system);
   fill(*careful);
   if (hasFreeGauge(problem, structure, *careful)) {
-    look.status.least = 0;  // it is certain, whatever a solver takes for its limit
+    look.status.least = 0;  // certain, whatever limit a solver uses
     return look;
   }
   Eigen::VectorXd ignored;

@@ -1,4 +1,4 @@
-/// What is asked where a solver finds no rank: whether a solver that keeps more digits finds it.
+/// Second look: if a solver finds no full rank, a solver that keeps more digits tries again.
 #pragma once
 
 #include <functional>
@@ -9,18 +9,18 @@
 
 namespace slom {
 
-/// Whether J, which the solver keeps, shows to its last digits that a motion of the whole world changes no residual. Then no solver
-/// finds full rank.
+/// Returns whether a motion of the whole world changes no residual, to the last digits of J as kept by the solver. Then
+/// no solver finds full rank.
 bool hasFreeGauge(const Problem& problem, const ProblemStructure& structure, const LinearSolver& solver);
 
 struct SecondLook {
-  SolveStatus status;                    ///< the last word; its `least` is filled
-  std::unique_ptr<LinearSolver> solver;  ///< that found full rank; null: none did
-  bool was_asked = false;                ///< a careful solver looked
+  SolveStatus status;                    ///< the final status, including `least`
+  std::unique_ptr<LinearSolver> solver;  ///< the solver that found full rank; null: none did
+  bool was_asked = false;                ///< true: a careful solver tried
 };
 
-/// `failed` is what `first` said. `fill` linearises into a solver that has been analysed. `digits`: what of a column of J, relative
-/// to its length, is more than rounding.
+/// Looks again after `first` returned `failed`. `fill` linearises into a solver that has been analysed. `digits`:
+/// fraction of the length of a column of J above which a number is more than rounding.
 SecondLook lookAgain(const Problem& problem, const ProblemStructure& structure, const LinearSolver& first,
                      SolveStatus failed, double digits, const std::function<void(LinearSolver&)>& fill);
 

@@ -1,5 +1,5 @@
-// Unseen unknowns: their columns of J consist of rounding errors, so that no residual depends on them. How they are recognised, and the
-// steps of the linear model, which report them (undamped) or leave them where they are (damped).
+// Unseen unknowns: their columns of J consist of rounding errors, so no residual depends on them. This file recognises
+// them and solves the linear model: undamped steps report them, damped steps leave them where they are.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,7 +12,7 @@
 namespace slom {
 
 namespace {
-/// How often one step is solved again with more damping of unseen unknowns.
+/// Number of times that one step is solved again with more damping of unseen unknowns.
 constexpr int kMostHoldings = 10;
 /// Relative difference up to which a column of J agrees with the change of the residuals.
 constexpr double kAgreement = 1e-2;
@@ -20,8 +20,8 @@ constexpr double kAgreement = 1e-2;
 constexpr double kHardlySeen = 1e-20;
 }  // namespace
 
-/// Whether moving the unknown by parts of `step` changes the residuals by what its column of J says, to two digits. Where the column is
-/// rounding errors, so are the changes, of about that size; but they agree with it by chance alone.
+/// Returns whether moving the unknown by parts of `step` changes the residuals as its column of J predicts, to 2
+/// digits. If the column is rounding errors, so are the changes. They have about that size, but agree only by chance.
 bool Evaluator::isTrueColumn(int unknown, double step) {
   const int variable = variableOf(structure_, unknown);
   const int component = unknown - structure_.offsetOf(variable);
@@ -57,11 +57,11 @@ bool Evaluator::isTrueColumn(int unknown, double step) {
   return agreements >= 2;
 }
 
-/// The unknowns that d moves though they are not seen.
+/// Returns the unknowns that d moves although they are unseen.
 std::vector<int> Evaluator::unseenUnknowns(const Eigen::VectorXd& d) {
   std::vector<int> unseen;
   const Eigen::VectorXd& H = solver_->diagonal();
-  if (H.size() == 0 || H.minCoeff() > kHardlySeen * H.maxCoeff()) return unseen;  // as nearly always
+  if (H.size() == 0 || H.minCoeff() > kHardlySeen * H.maxCoeff()) return unseen;  // the usual case
   const Eigen::VectorXd size = typicalSizes(), effect = H.cwiseSqrt().cwiseProduct(size);
   const double rounding =
       std::numeric_limits<double>::epsilon() * std::max(effect.maxCoeff(), std::sqrt(squared_norm_));
@@ -87,9 +87,9 @@ std::vector<int> Evaluator::unseenAtRest() {
   return unseen;
 }
 
-/// Whether residuals depend on an unseen unknown after all, where its coordinate is smaller by some powers of
-/// ten: then it has left the region in which they do, and the linear model does not know what bringing it back
-/// would gain. A column of rounding errors stays one everywhere.
+/// Returns whether residuals do depend on an unseen unknown if its coordinate is some powers of 10 smaller. Then the
+/// unknown has left the region of its influence, and the linear model cannot tell the gain of bringing it back. A
+/// column of rounding errors stays one everywhere.
 bool Evaluator::hasRunAway(int unknown) {
   constexpr int decades = 40;
   const int variable = variableOf(structure_, unknown);
@@ -97,7 +97,7 @@ bool Evaluator::hasRunAway(int unknown) {
   std::vector<double> x(static_cast<std::size_t>(record.dof));
   record.store->coordinates(record.store->valueAt(record.slot), x.data());
   const double coordinate = x[static_cast<std::size_t>(unknown - structure_.offsetOf(variable))];
-  if (!std::isfinite(coordinate)) return false;  // an angle, which comes back by itself
+  if (!std::isfinite(coordinate)) return false;  // an angle, which returns by itself
   Eigen::VectorXd d = Eigen::VectorXd::Zero(structure_.system.unknowns());
   for (int k = 1; k <= decades; ++k) {
     d[unknown] = coordinate * (std::pow(10.0, -k) - 1);
@@ -135,7 +135,7 @@ SolveStatus Evaluator::solveDamped(const Eigen::VectorXd& damping, Eigen::Vector
     const std::vector<int> unseen = unseenUnknowns(step);
     if (unseen.empty()) return status;
     if (holding.size() == 0) holding = damping;
-    // Each time firmer, for g may be large where H is not.
+    // Each round holds them more firmly, because g may be large even if H is not.
     for (const int u : unseen) holding[u] = std::max(holding[u] * 1e6, solver_->diagonal().maxCoeff());
     status = solve(holding, step);
   }

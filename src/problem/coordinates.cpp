@@ -1,4 +1,4 @@
-// Components that are coordinates: what a prior on a part of a variable can be about.
+// Components that are coordinates, on which a prior on a part of a variable can be placed.
 #include <algorithm>
 #include <cmath>
 #include <new>
@@ -12,7 +12,7 @@ namespace slom {
 
 namespace {
 
-/// A value of a variable's type that is moved.
+/// A movable value of a variable's type.
 class MovedValue {
  public:
   explicit MovedValue(const VariableRecord& record)
@@ -46,8 +46,8 @@ class MovedValue {
   void* place_;
 };
 
-/// Whether [+] adds to the coordinate of this component: tried with a long step, which shows whether a number has a [+] of its own, such as
-/// one that multiplies.
+/// Returns whether [+] adds to the coordinate of this component. Tries a long step, which reveals a number with its own
+/// [+], such as one that multiplies.
 bool isAddedTo(const VariableRecord& record, int component) {
   MovedValue value(record);
   const double before = value.coordinate(component, record.dof);

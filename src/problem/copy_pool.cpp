@@ -1,4 +1,4 @@
-// Copies of pools of measurements, whose slots, and so whose handles, are those of the original.
+// Copies of pools of measurements. Slots, and so handles, are those of the original.
 #include <algorithm>
 
 #include "base/index.hpp"
@@ -35,7 +35,7 @@ void MeasurementPool::copyFrom(const MeasurementPool& other, const std::vector<V
   noise_ = other.noise_;
   if (other.group_keys_) group_keys_ = detail::Pimpl<GroupKeys>(new GroupKeys(*other.group_keys_));
   serial_ = other.serial_;
-  free_slots_.reserve(other.index_of_slot_.size() + 1);  // so that remove() cannot fail
+  free_slots_.reserve(other.index_of_slot_.size() + 1);  // so remove() cannot fail
   slot_ = other.slot_;
   index_of_slot_ = other.index_of_slot_;
   generation_ = other.generation_;

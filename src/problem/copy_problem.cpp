@@ -1,4 +1,4 @@
-// Copies of problems. Slots of variables and measurements are those of the original, so that handles of it can be accepted.
+// Copies of problems. Slots of variables and measurements are those of the original, so a copy accepts its handles.
 #include <algorithm>
 
 #include "base/index.hpp"
@@ -29,7 +29,7 @@ void Problem::copyFrom(const Problem& other) {
   inserted_ = other.inserted_;
   if (other.groups_) groups_ = detail::Pimpl<GroupTable>(new GroupTable(*other.groups_));
   copyPools(other);
-  changes_ = other.changes_;  // with its revision, by which algorithms know what they have learnt
+  changes_ = other.changes_;  // including the revision, by which algorithms date what they have learnt
   moves_ = other.moves_;
 }
 

@@ -1,9 +1,9 @@
 /// Derivatives of a measurement with respect to its variables: central differences in the tangent space.
 ///   J(:, c) = (f(x [+] h e_c) - f(x [+] -h e_c)) / 2h
-/// The best step h of a component of typical size |x_c| (1 for angles) is about cbrt(eps * |x_c|) where the function
-/// bends over lengths of order 1 (Nocedal and Wright, "Numerical optimization", 2006, section 8.1). For components
-/// near zero the value does not show its scale; there the step shrinks until two steps agree.
-/// Within bounds: where x_c +- h leaves them, differences of second order to one side,
+/// The best step h of a component of typical size |x_c| (1 for angles) is about cbrt(eps * |x_c|) if the function bends
+/// over lengths of order 1 (Nocedal and Wright, "Numerical optimization", 2006, section 8.1). The value of a component
+/// near zero does not show its scale; there the step shrinks until two steps agree.
+/// If x_c +- h leaves the bounds, differences of second order to one side:
 ///   J(:, c) = s (-3 f(x) + 4 f(x [+] s h e_c) - f(x [+] 2 s h e_c)) / 2h,  s = +-1
 /// Extrapolated (Richardson): (4 D(h/2) - D(h)) / 3 of steps about eps^(1/5), with an error of order h^4.
 #include <algorithm>
@@ -22,11 +22,12 @@ namespace slom {
 
 namespace {
 
-/// Width of the narrowest functions that extrapolated differences follow, relative to the argument: rounding leaves half the digits.
+/// Width, relative to the argument, of the narrowest functions that extrapolated differences follow. Rounding leaves
+/// half the digits.
 constexpr double kNarrowest = 1e-9;
 constexpr double kNoGap = std::numeric_limits<double>::infinity();
 
-/// Points a measurement's variable to a copy of its value, which can be moved, for as long as this object lives.
+/// A guard that points a measurement's variable to a copy of its value. The copy can be moved.
 class Redirected {
  public:
   Redirected(VariableArgument& variable, const VariableStoreBase& store)
@@ -65,14 +66,14 @@ class Redirected {
     if (many_ != nullptr) ::operator delete(many_, std::align_val_t(store_.alignment()));
   }
 
-  alignas(kAlignment) std::byte few_[512];  // most values need no allocation
+  alignas(kAlignment) std::byte few_[512];  // storage for most values, without allocation
   void* many_ = nullptr;
   VariableArgument& variable_;
   const VariableStoreBase& store_;
   const void* original_;
 };
 
-/// The largest |x_i|, NaN when one is.
+/// Returns the largest |x_i|; NaN if any is NaN.
 double largest(const double* x, int n) {
   double most = 0;
   for (int i = 0; i < n; ++i) {
@@ -86,8 +87,8 @@ double largest(const double* x, int n) {
 template <class Evaluate>
 class CentralDifferences {
  public:
-  /// `delta`: zeros, one for each component; `workspace`: 4 * rows numbers.
-  /// `here` is the residual at the value itself.
+  /// Prepares differences. `delta`: zeros, one for each component. `workspace`: 4 * rows numbers. `here`: the residual
+  /// at the value itself.
   CentralDifferences(Redirected& variable, int rows, double* delta, double* workspace, const double* here,
                      Differences kind, const Evaluate& evaluate)
       : variable_(variable),
@@ -101,15 +102,15 @@ class CentralDifferences {
         kind_(kind),
         evaluate_(evaluate) {}
 
-  /// How far the component may move down and up before it leaves its bounds.
+  /// Sets the distances that the component may move down and up within its bounds.
   void setRoom(double down, double up) {
     down_ = down;
     up_ = up;
   }
-  /// The derivative along component c by steps of this length.
+  /// Computes the derivative along component c with steps of this length.
   int columnBy(int c, double step, double* out) { return difference(c, step, out); }
-  /// The derivative along component c, whose size is given. Returns the length of the residual; `out` is complete when
-  /// that is the right one.
+  /// Computes the derivative along component c of the given size. Returns the length of the residual; `out` is complete
+  /// only if that length is the right one.
   int column(int c, double size, double* out) {
     constexpr double cube_root_of_epsilon = 6.0554544523933395e-06;
     if (kind_ == Differences::forward)
@@ -146,11 +147,12 @@ class CentralDifferences {
     return rows_;
   }
 
-  /// Steps from `h` down to `smallest`, each a quarter of the last, until differences of several steps agree; otherwise those that
-  /// agree best. A function may be narrow beside its argument, as sin(x) at 10^6 or sin(10^6 x) at 1; differences over whole periods
-  /// of it may agree by chance, so that a third step must agree as well.
+  /// Tries steps from `h` down to `smallest`, each a quarter of the last, until differences of several steps agree.
+  /// Otherwise keeps the differences that agree best. A function may be narrow compared with its argument, such as
+  /// sin(x) at 10^6 or sin(10^6 x) at 1. Differences over whole periods of it may agree by chance, so a third step must
+  /// agree as well.
   int extrapolated(int c, double h, double smallest, double* best) {
-    constexpr double agreeing = 1e-3;  // then the error of the extrapolation is about its square
+    constexpr double agreeing = 1e-3;  // the error of the extrapolation is about the square of this
     for (double best_gap = kNoGap;; h = std::max(h / 4, smallest)) {
       if (const int got = difference(c, h, coarse_); got != rows_) return got;
       if (const int got = difference(c, h / 2, fine_); got != rows_) return got;
@@ -166,7 +168,7 @@ class CentralDifferences {
       if (!(gap >= best_gap)) best_gap = gap;
     }
   }
-  /// |fine - coarse| / |fine|, 0 for zeros.
+  /// Returns |fine - coarse| / |fine|; 0 for zeros.
   double relativeGap() {
     for (int i = 0; i < rows_; ++i) plus_[i] = fine_[i] - coarse_[i];
     const double gap = largest(plus_, rows_);
@@ -180,7 +182,8 @@ class CentralDifferences {
     return evaluate_(r);
   }
 
-  /// Steps from `h` down to `smallest`, each an eighth of the last; keeps the one that agrees best with the step before.
+  /// Tries steps from `h` down to `smallest`, each an eighth of the last. Keeps the one that agrees best with the step
+  /// before it.
   int refined(int c, double h, double smallest, double* best) {
     if (const int got = difference(c, h, coarse_); got != rows_) return got;
     std::copy_n(coarse_, rows_, best);
@@ -189,7 +192,7 @@ class CentralDifferences {
       h /= 8;
       if (const int got = difference(c, h, fine_); got != rows_) return got;
       for (int i = 0; i < rows_; ++i) plus_[i] = fine_[i] - coarse_[i];
-      const double gap = largest(plus_, rows_);  // NaN compares as not better
+      const double gap = largest(plus_, rows_);  // a comparison with NaN counts as not better
       const bool agrees = gap <= 1e-8 * largest(fine_, rows_);
       if (gap < best_gap || !std::isfinite(largest(best, rows_))) {
         std::copy_n(best_gap == kNoGap && agrees ? coarse_ : fine_, rows_, best);
@@ -214,7 +217,7 @@ class CentralDifferences {
   double down_ = kNoGap, up_ = kNoGap;
 };
 
-/// How far component c at coordinate x may move before it leaves its bounds.
+/// Returns the distances that component c at coordinate x may move down and up within its bounds.
 std::pair<double, double> roomOf(const std::vector<ComponentBound>& bounds, int c, double x) {
   for (const ComponentBound& bound : bounds) {
     if (bound.component == c && bound.upper > bound.lower)

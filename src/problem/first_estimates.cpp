@@ -1,4 +1,4 @@
-/// First estimates of a problem's variables: they come with priors, and go with the last one.
+/// First estimates of a problem's variables. Priors bring them; removing the last such prior removes them.
 #include "base/index.hpp"
 #include "slom/model/runtime_measurement.hpp"
 #include "slom/problem/problem.hpp"
@@ -6,7 +6,7 @@
 namespace slom {
 
 namespace {
-/// The first estimate of a variable that a measurement brings; null: none.
+/// Returns the first estimate that a measurement brings for a variable; null: none.
 const void* firstEstimateOf(const RuntimeMeasurement& measurement, const int* variables, int variable) {
   for (int k = 0; k < measurement.arity(); ++k) {
     if (variables[k] == variable) return measurement.firstEstimate(k);
@@ -25,13 +25,13 @@ const void* Problem::linearizationPoint(int variable) const {
   return record.store->valueAt(record.slot);
 }
 
-/// Counts as a move of the variable, as the Jacobians of its measurements are no longer the same.
+/// Sets a first estimate. This counts as a move of the variable, because it changes the Jacobians of its measurements.
 void Problem::setFirstEstimate(int variable, const void* point) {
   first_estimates_.set(variable, point);
   moves_.add(variable, size());
 }
 
-/// Those of variables that have none yet.
+/// Takes the measurement's first estimates of variables that have none yet.
 void Problem::takeFirstEstimates(const RuntimeMeasurement& measurement, const int* variables) {
   for (int k = 0; k < measurement.arity(); ++k) {
     const void* const point = measurement.firstEstimate(k);
@@ -40,7 +40,8 @@ void Problem::takeFirstEstimates(const RuntimeMeasurement& measurement, const in
   }
 }
 
-/// Those that this measurement has brought, in favour of those that remaining ones bring: the one that was inserted first in the first pool.
+/// Removes the first estimates that this measurement brought. If remaining measurements bring others, the one inserted
+/// first in the first pool replaces it.
 void Problem::dropFirstEstimates(const RuntimeMeasurement& measurement, const int* variables) {
   for (int k = 0; k < measurement.arity(); ++k) {
     const int variable = variables[k];

@@ -1,4 +1,5 @@
-/// The keys of the measurements of one pool: four bytes for each measurement and dimension, from the first to the last one that has a key.
+/// Keys of the measurements of one pool. Each dimension has a table, 4 bytes per measurement, up to the last with a
+/// key.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 namespace slom {
 
 struct MeasurementPool::GroupKeys {
-  std::vector<std::vector<int>> of_dimension;  // -1: none, as of measurements after the last entry
+  std::vector<std::vector<int>> of_dimension;  // -1: none; measurements after the last entry have none
 
   int get(std::size_t dimension, std::size_t i) const {
     return dimension < of_dimension.size() && i < of_dimension[dimension].size() ? of_dimension[dimension][i]
@@ -22,7 +23,7 @@ struct MeasurementPool::GroupKeys {
     if (i >= keys.size()) keys.resize(i + 1, -1);
     keys[i] = key;
   }
-  /// Measurement `last` takes the place of `hole`.
+  /// Moves the keys of measurement `last` to `hole`.
   void remove(std::size_t hole, std::size_t last) {
     for (std::vector<int>& keys : of_dimension) {
       if (hole < keys.size()) keys[hole] = last < keys.size() ? keys[last] : -1;

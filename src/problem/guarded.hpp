@@ -1,4 +1,4 @@
-/// Calls of the user's functions.
+/// Guarded calls of the user's functions.
 #pragma once
 
 #include <exception>
@@ -7,8 +7,8 @@
 
 namespace slom {
 
-/// Returns f(), which calls the user's functions; what they throw becomes a MeasurementThrew, except the library's own errors. `i` is the
-/// measurement at work when they throw.
+/// Returns f(), which calls the user's functions. Their exceptions become a MeasurementThrew; the library's own errors
+/// pass unchanged. `i` is the current measurement at the time of the exception.
 template <class F>
 int guarded(const int& i, const F& f) {
   try {

@@ -11,7 +11,7 @@
 namespace slom {
 
 namespace {
-/// Sum of the degrees of freedom of all variables, Dynamic unless all are known.
+/// Returns the sum of the degrees of freedom of all variables; Dynamic unless all are fixed at compile time.
 int columnsOf(const MeasurementType& type) {
   if (type.dof == nullptr) return Dynamic;
   int sum = 0;
@@ -110,14 +110,14 @@ void MeasurementPool::reserveOne() {
   grow(slot_, 1);
   grow(index_of_slot_, 1);
   grow(generation_, 1);
-  grow(free_slots_, index_of_slot_.size() + 1 - free_slots_.size());  // so that remove() cannot fail
+  grow(free_slots_, index_of_slot_.size() + 1 - free_slots_.size());  // so remove() cannot fail
 }
 
 std::size_t MeasurementPool::appendNoise(const NoiseView& noise, int rows, WhiteningKind& kind) {
   const std::size_t start = noise_.size();
   kind = appendWhitening(noise, rows, noise_, [&] { return nextName(); });
   const std::size_t size = noise_.size() - start;
-  // Most measurements of a kind are equally uncertain: share the numbers with the one before.
+  // Most measurements of a kind have the same uncertainty. Such a measurement shares the numbers of the one before it.
   if (size > 0 && !noise_kind_.empty() && noise_kind_.back() == kind) {
     const std::size_t last = noise_at_.back();
     if (last + size <= start && std::equal(noise_.begin() + static_cast<std::ptrdiff_t>(start), noise_.end(),
@@ -130,11 +130,11 @@ std::size_t MeasurementPool::appendNoise(const NoiseView& noise, int rows, White
 }
 
 void MeasurementPool::scaleSigmas(const std::vector<double>& factors) {
-  constexpr std::size_t unit = ~std::size_t{0};  // in place of where W lies
+  constexpr std::size_t unit = ~std::size_t{0};  // a place that stands for W = I
   std::vector<double> scaled;
   std::vector<WhiteningKind> kinds = noise_kind_;
   std::vector<std::size_t> places(noise_at_.size(), 0);
-  std::map<std::pair<std::size_t, double>, std::size_t> known;  // where W times that number lies
+  std::map<std::pair<std::size_t, double>, std::size_t> known;  // place of W times that number
   for (int i = 0; i < size(); ++i) {
     const bool is_unit = noise_kind_[at(i)] == WhiteningKind::unit;
     const double by = 1 / factors[at(i)];
@@ -212,7 +212,7 @@ void MeasurementPool::remove(int i) {
   if (++removed_since_compaction_ > size() + 64) compact();
 }
 
-/// Lets go of the noise and the losses that no measurement has any more.
+/// Frees the noise and the losses that no measurement uses any more.
 void MeasurementPool::compact() {
   compactNoise();
   const std::set<const Loss*> used(loss_.begin(), loss_.end());
@@ -222,7 +222,7 @@ void MeasurementPool::compact() {
 
 void MeasurementPool::compactNoise() {
   std::vector<double> compact;
-  std::map<std::size_t, std::size_t> moved;  // where W lay, where it lies now
+  std::map<std::size_t, std::size_t> moved;  // old place of W, new place
   for (int i = 0; i < size(); ++i) {
     const auto [place, is_new] = moved.try_emplace(noise_at_[at(i)], compact.size());
     if (is_new) {

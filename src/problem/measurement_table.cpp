@@ -1,4 +1,4 @@
-/// The measurements of a problem: which pool they go to, who depends on whom, what they are called.
+/// The measurements of a problem: their pools, their variables and their names.
 #include <algorithm>
 #include <limits>
 #include <new>
@@ -55,7 +55,7 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const Measuremen
   for (int k = 0; k < type.arity; ++k) {
     variables.push_back(checkedIndex(arguments[k]->store(), arguments[k]->slotRef(),
                                      type.variable_type != nullptr ? type.variable_type[k] : nullptr));
-    if (arguments[k]->store() != table_[at(variables.back())].store)  // a handle of the original
+    if (arguments[k]->store() != table_[at(variables.back())].store)  // a handle of the original problem
       arguments[k]->rebind(handleOf(variables.back()));
   }
   MeasurementPool* pool = findPool(*type.id, label, type.arity);
@@ -107,7 +107,7 @@ void Problem::noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, 
     }
   } catch (...) {
     uses_ =
-        detail::Pimpl<Uses>(nullptr);  // out of memory: the measurement counts, and the table is made again
+        detail::Pimpl<Uses>(nullptr);  // out of memory: the measurement counts; the table is made again later
   }
 }
 

@@ -1,5 +1,5 @@
-// Residuals and Jacobians of a pool's measurements: calls of the user's functions, whitening, and the search for entries that are not
-// finite.
+// Residuals and Jacobians of a pool's measurements: calls of the user's functions, whitening, and the search for
+// entries that are not finite.
 #include <cstddef>
 #include <deque>
 #include <string>
@@ -13,7 +13,8 @@
 namespace slom {
 
 namespace {
-/// Sums of x * 0, which are NaN for NaN and infinities; eight registers of them, so that none waits for another.
+/// Returns whether all x are finite. Sums x * 0, which is NaN for NaN and infinity, in 8 registers, so no sum waits for
+/// another.
 bool isFinite(const double* x, std::ptrdiff_t n) {
   constexpr int at_once = 8 * Eigen::internal::packet_traits<double>::size;
   using Sums = Eigen::Array<double, at_once, 1>;
@@ -23,7 +24,7 @@ bool isFinite(const double* x, std::ptrdiff_t n) {
   return sums.sum() + (Eigen::Map<const Eigen::ArrayXd>(x + i, n - i) * 0.0).sum() == 0.0;
 }
 
-/// Points a variable of a measurement to another value for as long as this object lives.
+/// A guard that points a variable of a measurement to another value.
 class AtFirstEstimate {
  public:
   AtFirstEstimate(VariableArgument& variable, const void* value)
@@ -69,7 +70,8 @@ int MeasurementPool::evaluate(int first, int last, double* r) {
   return -1;
 }
 
-/// Writes the Jacobians, in the measurements' own units, of those of [first, last) that depend on a variable with a first estimate.
+/// Writes the Jacobians, in the measurements' own units, of the measurements of [first, last) that depend on a variable
+/// with a first estimate.
 void MeasurementPool::linearizeAtFirstEstimates(int first, int last, double* J) {
   std::vector<double> r;
   for (int i = first; i < last; ++i) {

@@ -1,4 +1,4 @@
-/// What only sources know of a pool of measurements.
+/// Parts of a pool of measurements that only sources use.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace slom {
 
-/// The different losses of the pool; their places in memory stay.
+/// The different losses of the pool. Their addresses do not change.
 struct MeasurementPool::Losses {
   std::set<Loss> all;
 };
 
-/// Pools that this one is a copy of, the original one first, and what was in them when they were copied. Slots are the same in all of
-/// them until then.
+/// The pools that this pool is a copy of, the original first, and their contents at the time of copying. Up to then,
+/// slots are the same in all of them.
 struct MeasurementPool::Origins {
   struct Origin {
     std::weak_ptr<const PoolPresence> presence;
-    std::vector<std::uint32_t> generations;  // of the slots; VariableStoreBase::kFree of free ones
+    std::vector<std::uint32_t> generations;  // of the slots; VariableStoreBase::kFree for free slots
   };
   std::vector<Origin> all;
 };

@@ -122,7 +122,7 @@ void Problem::overwrite(int variable, const void* value) {
   moves_.add(variable, size());
 }
 
-/// The largest component of value [-] the variable; infinite where that is not a number.
+/// Returns the largest component of value [-] the variable; infinite if that is not a number.
 double Problem::distanceTo(int variable, const void* value) const {
   const VariableRecord& record = table_[at(variable)];
   double most = 0;
@@ -130,7 +130,7 @@ double Problem::distanceTo(int variable, const void* value) const {
     Eigen::VectorXd difference(record.dof);
     record.store->boxminus(difference.data(), value, record.store->valueAt(record.slot));
     for (const double d : difference) most = std::max(most, std::isnan(d) ? kInfinity : std::abs(d));
-  } catch (...) {  // a [-] of the user's own, for values that it does not like
+  } catch (...) {  // the user's own [-] may throw for some values
     most = kInfinity;
   }
   return most;
@@ -142,7 +142,7 @@ void Problem::checkBounds(int variable, const std::vector<ComponentBound>& bound
   std::vector<double> x(at(record.dof));
   record.store->coordinates(value, x.data());
   for (const ComponentBound& bound : bounds) {
-    const double own = x[at(bound.component)], margin = 1e-12 * std::abs(own);  // steps round
+    const double own = x[at(bound.component)], margin = 1e-12 * std::abs(own);  // for rounding of steps
     if (own >= bound.lower - margin && own <= bound.upper + margin) continue;
     throw Error("slom.outside-bound",
                 componentNames(variable)[at(bound.component)] + " is " + number(own, 6) +

@@ -4,12 +4,12 @@ namespace slom {
 
 namespace {
 
-/// What the base class refers to, which therefore exists before it.
+/// A base that holds what MeasurementPool refers to, so it must be constructed first.
 struct OwnType {
   MeasurementType own_type;
 };
 
-/// What is inserted is an OwnedMeasurement.
+/// A pool of OwnedMeasurements.
 class RuntimePool final : private OwnType, public MeasurementPool {
  public:
   RuntimePool(const std::string& name, const std::string& label, const MeasurementType& type,

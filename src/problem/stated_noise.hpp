@@ -1,4 +1,4 @@
-/// Whether someone has said how uncertain measurements are; without it they have unit covariance.
+/// Stated noise: whether a user has stated the uncertainty of measurements. Without a statement, covariances are 1.
 #pragma once
 
 #include <algorithm>
@@ -7,11 +7,11 @@
 
 namespace slom {
 
-/// Whether the noise of a pool is stated; its first measurement stands for all.
+/// Returns whether the noise of a pool is stated. The first measurement stands for all.
 inline bool statesNoise(const MeasurementPool& pool) {
   return pool.size() > 0 && (pool.type().states_noise || pool.whitening(0).first != WhiteningKind::unit);
 }
-/// Whether the noise of a group is stated; its first measurement stands for all.
+/// Returns whether the noise of a group is stated. The first measurement stands for all.
 inline bool groupStatesNoise(const Problem& problem, std::size_t group) {
   const auto first = std::find_if(problem.pools().begin(), problem.pools().end(), [&](const auto& pool) {
     return pool->group() == static_cast<int>(group) && pool->size() > 0;

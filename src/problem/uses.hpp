@@ -1,4 +1,4 @@
-/// Which measurements depend on a variable.
+/// Measurements that depend on a variable.
 #pragma once
 
 #include <utility>
@@ -7,16 +7,16 @@
 
 namespace slom {
 
-/// Measurements that depend on each variable. Handles of removed measurements stay until the next query, or until they are more than
-/// those that are left.
+/// Measurements that depend on each variable. Handles of removed measurements stay until the next query, or until there
+/// are more of them than of the others.
 struct Problem::Uses {
   struct OfVariable {
     std::vector<Use> all;
-    long looked_through = 0;   // `removed`, when removed ones were last looked for
-    std::size_t longest = 16;  // with more, removed ones are looked for
+    long looked_through = 0;   // value of `removed` at the last search for removed ones
+    std::size_t longest = 16;  // size at which add() searches for removed ones
   };
-  std::vector<OfVariable> of;  // indexed as the variable table
-  long removed = 0;            // measurements, ever
+  std::vector<OfVariable> of;  // by variable, as in the variable table
+  long removed = 0;            // number of measurements ever removed
 
   OfVariable& at(int variable) {
     if (static_cast<std::size_t>(variable) >= of.size()) of.resize(static_cast<std::size_t>(variable) + 1);

@@ -1,4 +1,4 @@
-/// Values of variables, kept to go back to.
+/// Saved values of variables, to return to.
 #pragma once
 
 #include <initializer_list>
@@ -10,30 +10,30 @@
 
 namespace slom {
 
-/// The values of all variables at the time of construction.
+/// The values at the time of construction.
 class ValueSnapshot {
  public:
   explicit ValueSnapshot(Problem& problem);
-  /// The values of these variables only.
+  /// Saves the values of these variables only.
   ValueSnapshot(Problem& problem, std::initializer_list<int> variables);
   ~ValueSnapshot();
-  /// The value of a further variable, as it is now; nothing where there is one already.
+  /// Saves the present value of a further variable, unless it is saved already.
   void keep(int variable);
   void restore();
-  /// d := value now [-] value then, in the tangent space of the variable; of a snapshot of all variables.
+  /// Computes d := value now [-] saved value, in the tangent space of the variable. Needs a snapshot of all variables.
   void difference(int variable, double* d) const;
-  /// The present values of the variables of this one.
+  /// Returns a snapshot of the present values of the variables of this one that `keep` has saved.
   std::unique_ptr<ValueSnapshot> takeAgain() const;
-  /// Whether the value of this variable is among those that `keep` has taken.
+  /// Returns whether `keep` has saved the value of this variable.
   bool keeps(int variable) const { return kept_.count(variable) > 0; }
-  /// The variables whose values `keep` has taken.
+  /// Returns the variables whose values `keep` has saved.
   const std::set<int>& kept() const { return kept_; }
 
  private:
   struct Copy;
   void copy(int variable);
   Problem& problem_;
-  std::set<int> kept_;  // of those that are not all
+  std::set<int> kept_;  // the variables that keep() saved
   std::vector<std::unique_ptr<Copy>> copies_;
 };
 

@@ -1,4 +1,4 @@
-// The values of all variables: moved, kept, taken back.
+// The values of all variables: moving, saving and restoring them.
 #include <algorithm>
 #include <cmath>
 

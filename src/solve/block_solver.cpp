@@ -42,7 +42,7 @@ struct BlockSolver::Implementation final : LinearSolver {
     choose(compact(structure));
   }
 
-  /// Keeps order, fronts and plans where the same blocks meet as before.
+  /// Keeps order, fronts and plans if the same blocks meet as before.
   void update(const BlockStructure& structure, const StructureChanges& changes) override;
 
   void beginLinearization() override {
@@ -117,7 +117,7 @@ void BlockSolver::Implementation::update(const BlockStructure& structure, const 
     ++counts_.analyses;
     return choose(std::move(now));
   }
-  std::unique_ptr<BlockMethod> kept = std::move(method_);  // gone when memory is
+  std::unique_ptr<BlockMethod> kept = std::move(method_);  // lost if memory runs out below
   compact_ = std::move(now);
   equations_.layOutMeasurements();
   kept->forget();

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// A pivot below this share of its diagonal entry is rounding error.
+/// Fraction of its diagonal entry below which a pivot is rounding error.
 constexpr double kPivotTolerance = 1e-12;
 
 class CholmodSolver final : public LinearSolver {

@@ -11,23 +11,23 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Columns whose remaining norm is below this share of their own are combinations of the others.
+/// Fraction of a column's norm below which its remaining norm makes it a combination of the others.
 constexpr double kRankTolerance = 1e-9;
 
 }  // namespace
 
 struct DenseQR::Implementation final : LinearSolver {
   struct ScaledQR {
-    VectorXd scale;  // 1 / column norm, 1 for empty columns
+    VectorXd scale;  // 1 / column norm; 1 for empty columns
     PivotedQR qr;
 
-    /// QR of A with columns scaled to unit length, so that units do not decide about the rank.
+    /// Computes the QR of A with columns scaled to unit length, so that units do not affect the rank.
     SolveStatus factorize(MatrixXd A) {
       scale = A.colwise().norm();
       for (double& s : scale) s = s > 0 ? 1 / s : 1;
       A = A * scale.asDiagonal();
       const Eigen::Index n = A.cols();
-      if (n == 0) return {};  // Eigen looks for the largest of the columns
+      if (n == 0) return {};  // Eigen would search for the largest column
       if (A.rows() < n) A.conservativeResizeLike(MatrixXd::Zero(n, n));
       qr = pivotedQrOf(A);
       for (Eigen::Index i = 0; i < n; ++i) {
@@ -43,8 +43,8 @@ struct DenseQR::Implementation final : LinearSolver {
   BlockStructure structure;
   MatrixXd J;
   VectorXd r, g, diagonal_of_H;
-  std::vector<double> rows;      // row after row while they come in
-  std::vector<double> residual;  // likewise
+  std::vector<double> rows;      // row by row during collection
+  std::vector<double> residual;  // row by row during collection
   ScaledQR factor;               // factor of J alone
   bool has_factor = false;
   SolveStatus status;
@@ -121,7 +121,7 @@ struct DenseQR::Implementation final : LinearSolver {
   SolveStatus solveFor(const MatrixXd& B, MatrixXd& X) override {
     const SolveStatus now = factorizeUndamped();
     if (!now.ok) return now;
-    if (B.size() == 0) {  // where Eigen's permutations go beyond a null pointer
+    if (B.size() == 0) {  // Eigen's permutations would step beyond a null pointer
       X = B;
       return {};
     }

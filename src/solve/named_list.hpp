@@ -1,6 +1,7 @@
-// What each line of named_list.inc refers to; the source of the solver defines it:
+// Declarations for the lines of named_list.inc. The source of each solver defines its own:
 //
-//     const NamedSolver detail::solvers::dense_cholesky{"dense-cholesky", "a dense one of J^T J", &makeSolver<DenseCholesky>};
+//     const NamedSolver detail::solvers::dense_cholesky{"dense-cholesky", "a dense one of J^T J",
+//                                                           &makeSolver<DenseCholesky>};
 #pragma once
 
 #include "slom/solve/named.hpp"

@@ -1,5 +1,6 @@
-// Broken problems that people bring, and the messages about them, word for word. Free gauges, the scale of a monocular bundle adjustment,
-// sums and wrong sigmas are in diagnosis_test.cpp and outliers_test.cpp, NaN and wrong derivatives in preflight_test.cpp.
+// Broken problems that users bring, and the messages about them, word for word. Free gauges, the scale of a monocular
+// bundle adjustment, sums and wrong sigmas are in diagnosis_test.cpp and outliers_test.cpp. NaN and wrong derivatives
+// are in preflight_test.cpp.
 #include <algorithm>
 #include <cmath>
 #include <random>

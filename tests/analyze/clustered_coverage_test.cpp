@@ -1,4 +1,4 @@
-// Intervals of simulated fits hold as often as they say, where errors are dependent within groups and where they are not.
+// Intervals of simulated fits hold as often as stated, for errors with and without dependence within groups.
 #include <cmath>
 #include <random>
 #include <string>
@@ -37,7 +37,8 @@ struct Design {
   bool ordered = false;
 };
 
-/// Regression on a constant, a number of the group, and a number of the measurement; sigma is stated as if all errors were independent.
+/// Simulates a regression on a constant, a number of the group, and a number of the measurement. sigma is stated as if
+/// all errors were independent.
 Coverage simulate(const Design& design) {
   std::mt19937 engine(7);
   std::normal_distribution<double> normal;
@@ -103,7 +104,8 @@ TEST(ClusteredCoverage, OfIndependentErrors) {
   EXPECT_LE(coverage.stated.maxCoeff(), 0.97) << coverage.stated.transpose();
 }
 
-/// Few groups of which neighbours are alike: much nearer to 95 % than without the order, and where it is not near enough a note says so.
+/// Few groups with correlated neighbours. Intervals are much nearer to 95 % than without the order. If they are not
+/// near enough, a note says so.
 TEST(ClusteredCoverage, OfErrorsThatSuccessiveGroupsShare) {
   SLOM_SKIP_WITH_SANITIZERS();
   struct Case {
@@ -134,8 +136,8 @@ TEST(ClusteredCoverage, OfIndependentGroupsInOrder) {
   }
 }
 
-/// Sizes of groups that differ: one much larger than all others together, and lognormal ones. What the fit follows closely says little of its own
-/// error, so that cr2 is a third of the truth there.
+/// Groups of different sizes: one much larger than all others together, and lognormal sizes. If the fit follows a group
+/// closely, its residuals say little about its error, so cr2 is a third of the truth there.
 TEST(ClusteredCoverage, HoldsWhereGroupsDifferInSize) {
   SLOM_SKIP_WITH_SANITIZERS();
   struct Sizes {
@@ -187,7 +189,7 @@ TEST(ClusteredCoverage, HoldsWhereGroupsDifferInSize) {
   }
 }
 
-/// The largest number k with P(at most k - 1 of n hold) <= 1e-4 where each holds with probability 0.95.
+/// Returns the largest k with P(at most k - 1 of n hold) <= 1e-4, if each holds with probability 0.95.
 int leastOf(int n) {
   double probability = std::pow(0.05, n), sum = probability;
   int k = 0;

@@ -1,4 +1,5 @@
-// Clustered covariances where leverages come from selected inversion or from columns of the inverse, with losses, and of many groups.
+// Clustered covariances with leverages from selected inversion or from columns of the inverse, with losses, and for
+// many groups.
 #include <cmath>
 #include <memory>
 #include <random>
@@ -27,7 +28,7 @@ using SE2 = mtk::trafo<mtk::SO2<>>;
 const auto difference = [](const auto& a, const auto& b) { return b - a; };
 const auto is = [](const auto& x) { return x; };
 
-/// Points in the plane by random differences of two; one coordinate is like the other, so that J of one is enough.
+/// Points in the plane, measured by random differences of two. Both coordinates have the same J, so one J is enough.
 struct Network {
   slom::Estimator est;
   std::vector<slom::VarID<vec2>> points;
@@ -195,7 +196,8 @@ class CountingSolver final : public slom::ForwardingSolver {
   int& columns_;
 };
 
-/// Columns that are solved for to find covariance and degrees of freedom of a line that `groups` sets see, each with a level of its own.
+/// Returns the number of columns solved for covariance and degrees of freedom of a line. `groups` sets measure the
+/// line, each with a level of its own.
 int columnsFor(int groups) {
   int columns = 0;
   slom::Estimator est;
@@ -227,7 +229,7 @@ TEST(ClusteredLarge, SolvesDoNotGrowWithTheGroups) {
   EXPECT_EQ(columnsFor(2000), few);
 }
 
-/// Laps of a robot whose heading drifts in its own way in each: the clustered covariance is that of the simulation.
+/// Laps of a robot whose heading drifts differently in each lap. The clustered covariance is that of the simulation.
 TEST(ClusteredLarge, PoseGraphWhoseLapsShareErrors) {
   SLOM_SKIP_WITH_SANITIZERS();
   constexpr int laps = 24, per_lap = 6, repetitions = 300;

@@ -1,4 +1,4 @@
-// Few groups in order: the variance of an autoregressive series, against dense matrices.
+// Few ordered groups: the variance of an autoregressive series, against dense matrices.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -47,7 +47,8 @@ MatrixXd correlationMatrix(Index n, double rho) {
   return R;
 }
 
-/// Variance of the mean and degrees of freedom: rho is the one at which the correlation about the mean is as observed, on average.
+/// Returns variance of the mean and degrees of freedom, with the rho whose expected correlation about the mean is the
+/// observed one.
 std::pair<double, double> denseVariance(const VectorXd& y) {
   const Index n = y.size();
   const VectorXd e = y.array() - y.mean();

@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 using slom::testing::messageOf;
 using vec2 = mtk::vect<2>;
 
-/// Distances to towers, whose zero point is another one on each day.
+/// Distances to towers, with another zero point on each day.
 struct OffsetRange {
   auto operator()(const auto& place, const auto& offset, const vec2& tower) const {
     return (place - tower).norm() + offset;
@@ -32,7 +32,7 @@ struct Ranging {
   std::vector<slom::VarID<double>> offsets;
 };
 
-/// Six days, far from linear: towers are near. `left_out`: a day that there never was.
+/// Inserts six days of ranges, far from linear, because towers are near. `left_out`: a day that is not inserted.
 void range(Ranging& all, int left_out = -1, bool has_losses = false, bool has_last_tower = true) {
   std::mt19937 engine(2);
   std::normal_distribution<double> normal;

@@ -1,4 +1,4 @@
-// What clustered covariances add to other reports: tests of groups, the summary's table, profile intervals.
+// Clustered covariances in other reports: tests of groups, the summary's table, profile intervals.
 #include <cmath>
 #include <random>
 #include <sstream>
@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 using slom::testing::messageOf;
 using vec2 = mtk::vect<2>;
 
-/// A line, measured in groups of five whose errors have a part in common.
+/// A line, measured in groups of five with a shared error.
 struct GroupedLine {
   slom::Estimator est;
   slom::VarID<vec2> line = est.insertRV(vec2(0, 0), "line");
@@ -121,7 +121,8 @@ TEST(ClusteredProfile, IsTheIntervalWhereTheRssIsQuadratic) {
   }
 }
 
-/// A rate that only its logarithm measures: the interval is not symmetrical, and its ends are those of the logarithm.
+/// A rate that is measured only through its logarithm. The interval is asymmetric, with the ends of the logarithm's
+/// interval.
 TEST(ClusteredProfile, KeepsTheShapeOfTheRss) {
   slom::Estimator est;
   const auto rate = est.insertRV(1.5, "rate");

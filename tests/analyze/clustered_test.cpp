@@ -55,7 +55,7 @@ struct Shape {
   int left_out = -1;
 };
 
-/// Groups of 2 to 6 measurements, whose errors have a part in common.
+/// Inserts groups of 2 to 6 measurements with a shared error.
 void fill(Regression& fit, const Shape& shape) {
   std::mt19937 engine(11);
   std::normal_distribution<double> normal;
@@ -140,8 +140,8 @@ struct DenseClustered {
   VectorXd dof;
 };
 
-/// The sandwich, with the symmetric roots of dense I - H_gg. Directions in which I - H_gg is 0, and rows without a group, contribute what
-/// is stated.
+/// Returns the sandwich, with the symmetric roots of the dense I - H_gg. Directions in which I - H_gg is 0, and rows
+/// without a group, contribute the stated covariance.
 DenseClustered denseClustered(const Regression& fit, const std::vector<int>& group,
                               ClusterCorrection correction) {
   const MatrixXd C = fit.C(), H = fit.J * C * fit.J.transpose();
@@ -271,7 +271,8 @@ TEST(Clustered, ByTwoWaysThatContradictEachOther) {
             "the covariance by several groupings had negative eigenvalues, which count as 0: level");
 }
 
-/// A second way in which no errors are shared, of few groups: their chance contributions do not make variances smaller.
+/// A second way of grouping with few groups and no shared errors. Its random contributions do not make variances
+/// smaller.
 TEST(Clustered, ByTwoWaysIsNoLessThanByOne) {
   std::mt19937 engine(3);
   std::normal_distribution<double> normal;
@@ -396,7 +397,7 @@ TEST(Clustered, OfWhatIsFixedOrAtABound) {
   EXPECT_EQ(bounded.est.clustered({.by = {"set"}}).covariance(bounded.line)(0, 0), 0);
 }
 
-/// Points by their differences, all of which can move together.
+/// Points measured by their differences, so that all of them can move together.
 TEST(Clustered, OfAFreeNetwork) {
   const auto difference = [](const auto& a, const auto& b) { return b - a; };
   std::mt19937 engine(4);

@@ -1,4 +1,4 @@
-// What a fit says of problems that do not determine all of their unknowns, word for word.
+// Messages of a fit about problems that do not determine all of their unknowns, word for word.
 #include <cmath>
 #include <random>
 #include <string>
@@ -127,7 +127,7 @@ TEST(Diagnosis, ADirectionThatIsMeasuredLeavesTheRest) {
           "fix one pose or add a prior"});
 }
 
-/// Poses that lead from the world to the camera, as in bundle adjustment, and points that only bearings were measured of.
+/// Poses from the world to the camera, as in bundle adjustment, and points that are measured by bearings only.
 TEST(Diagnosis, ScaleOfMonocularBundleAdjustment) {
   std::mt19937 engine(4);
   std::normal_distribution<double> normal;

@@ -1,4 +1,4 @@
-// Tests of residuals whose standard deviations come from the residuals: a measurement that is wrong does not hide itself.
+// Tests of residuals whose standard deviations come from the residuals: a wrong measurement does not hide itself.
 #include <cmath>
 #include <vector>
 

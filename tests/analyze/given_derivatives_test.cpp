@@ -1,5 +1,5 @@
-// Derivatives given by hand that are wrong: the summary of a fit says so and guesses why; right ones of awkward functions are
-// left in peace.
+// Wrong derivatives given by hand: the summary of a fit reports them and guesses the cause. Right derivatives of
+// awkward functions give no warning.
 #include <cmath>
 #include <limits>
 #include <string>

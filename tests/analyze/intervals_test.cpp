@@ -55,8 +55,8 @@ TEST(Intervals, OfALineWithEstimatedVarianceAreStudents) {
 }
 
 TEST(Intervals, OfACurveWithEstimatedVarianceEndWhereFSaysSo) {
-  // At the ends of the interval (RSS - RSS0) / (RSS0 / dof) = F(1, dof) = t^2, with everything else fitted again: here one other
-  // parameter, which is linear, so that its best value has a closed formula.
+  // At the ends of the interval (RSS - RSS0) / (RSS0 / dof) = F(1, dof) = t^2, with everything else fitted again. Here
+  // this is one other parameter. It is linear, so its best value has a closed formula.
   std::mt19937 engine(3);
   std::normal_distribution<double> noise(0, 0.05);
   std::vector<double> x, y;
@@ -170,7 +170,8 @@ TEST(Intervals, AreThoseOfAFit) {
   EXPECT_EQ(messageOf([&] { line.est.intervals(1.0); }).substr(0, 17), "[slom.bad-option]");
 }
 
-/// An offset and an exponential: from the fit on, a large amplitude goes with a small rate, and a larger rate is another minimum.
+/// An offset and an exponential. From the fit on, a large amplitude goes with a small rate; a larger rate is another
+/// minimum.
 TEST(Intervals, FollowTheMinimumOfTheFit) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     Random noise(seed);
@@ -204,7 +205,7 @@ TEST(Intervals, FollowTheMinimumOfTheFit) {
   }
 }
 
-/// Five heights and their differences: the datum is a choice, so that standard deviations are all there is.
+/// Five heights measured by their differences. The datum is a choice, so only standard deviations exist.
 TEST(Intervals, OfAFreeNetworkComeFromStandardDeviations) {
   slom::Estimator est;
   std::vector<slom::VarID<double>> heights;
@@ -230,7 +231,7 @@ TEST(Intervals, OfAFreeNetworkComeFromStandardDeviations) {
   EXPECT_FALSE(diagnosis.findings[0].is_fault) << diagnosis;
 }
 
-/// As a simulator that rounds its output.
+/// A function that rounds, like a simulator that rounds its output.
 TEST(Intervals, OfAFunctionThatRoundsNeedItsStepAlone) {
   for (const auto& [digits, step] : {std::pair(1e3, 5e-2), std::pair(1e4, 1e-2), std::pair(1e6, 1e-3)}) {
     Random noise(2);

@@ -1,4 +1,4 @@
-// Marginals answer for the variables that they were computed for, and parameter tables say what standardDeviation does.
+// Marginals answer for the variables for which they were computed. Parameter tables agree with standardDeviation.
 #include <gtest/gtest.h>
 
 #include <slom/slom.hpp>

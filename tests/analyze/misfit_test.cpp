@@ -1,5 +1,4 @@
-// Warnings of a fit that does not fit: residuals far from their standard deviations, losses that let hardly
-// anything count.
+// Warnings of a fit with misfit: residuals far from their standard deviations, and losses that nearly ignore all data.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -69,8 +68,8 @@ TEST(Misfit, OfLossesOfManyScalesIsAWarning) {
       << summary.warnings.back();
 }
 
-/// `unknowns` numbers, each measured four times to 1 and twice by another group that is off by `off`
-/// deviations; `is_robust`: beside a measurement with a loss.
+/// Returns the warnings for `unknowns` numbers, each measured four times as 1 and twice by another group that is off by
+/// `off` deviations. `is_robust`: also with a measurement that has a loss.
 Texts warningsOfGroups(int unknowns, double off, bool is_robust) {
   slom::Estimator est;
   for (int k = 0; k < unknowns; ++k) {

@@ -1,4 +1,5 @@
-// All analyses at the same values share one linearisation, one symbolic analysis and one factorisation, and change nothing.
+// All analyses at the same values share one linearisation, one symbolic analysis and one factorisation, and change
+// nothing.
 #include <memory>
 #include <random>
 #include <sstream>
@@ -149,7 +150,7 @@ TEST(FreeGauge, IsServedByOneLinearization) {
   EXPECT_EQ(ask(), 0);
 }
 
-/// Looking at a component at its bound does not say that the fit holds it there.
+/// A query about a component at its bound does not state that the fit holds it there.
 TEST(ConstQueries, LeaveTheActiveSetAsItIs) {
   const auto make = [](slom::Estimator& est) {
     const auto x = est.insertRV(1.0, "x");

@@ -30,7 +30,7 @@ TEST(ChiSquare, HasPublishedQuantiles) {
     EXPECT_NEAR(slom::chiSquareProbability(slom::chiSquareCritical(p, 7.5), 7.5) / p, 1, 1e-10);
 }
 
-/// A parabola seen in pairs of numbers, so that residuals have two rows.
+/// A parabola measured in pairs of numbers, so that residuals have two rows.
 struct Parabola {
   slom::Estimator est;
   slom::VarID<mtk::vect<3>> c = est.insertRV(mtk::vect<3>(1, 1, 1), "c");

@@ -1,4 +1,4 @@
-// The table of parameters of a summary: values of rotations and directions, and what it leaves out.
+// The table of parameters of a summary: values of rotations and directions, and omissions.
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -112,7 +112,7 @@ TEST(ParameterTable, IsReplacedByWhatNoMeasurementDetermines) {
   EXPECT_TRUE(summary.undetermined.empty()) << summary;
 }
 
-/// Two unknowns whose sum is measured well and whose difference hardly: by `share` of the residuals.
+/// Two unknowns with a well measured sum. Their difference is measured poorly: by `share` of the residuals.
 TEST(ParameterTable, NamesWhatIsHardlyDetermined) {
   for (const double share : {1e-8, 1e-7, 1e-3}) {
     slom::Estimator est;

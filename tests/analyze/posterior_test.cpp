@@ -1,4 +1,4 @@
-// What hypothetical measurements would bring is what they bring when they are made.
+// The predicted effect of hypothetical measurements equals their effect when they are made.
 #include <cmath>
 #include <tuple>
 
@@ -60,7 +60,7 @@ TEST(Posterior, OfAFurtherDistanceIsThatOfTheFitWithIt) {
   EXPECT_EQ(survey.est.getM(), 5);  // nothing has happened to it
 }
 
-/// A further photograph: a pose of its own, and what it sees.
+/// Adds a photograph: its own pose, and the points it sees.
 template <class Estimator, class Id>
 void look(Estimator& est, const Id& a, const Id& b, const Id& c, const Pose& from) {
   const auto pose = est.insertRV(from);

@@ -1,4 +1,4 @@
-// What is said of a problem before it is solved, word for word.
+// Messages about a problem before it is solved, word for word.
 #include <cmath>
 #include <stdexcept>
 #include <string>

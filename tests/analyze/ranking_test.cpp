@@ -1,4 +1,4 @@
-// Outliers over all kinds of measurements, what is hardly checkable, and handles to measurements of any type.
+// Outliers over all kinds of measurements, poorly checkable measurements, and handles to measurements of any type.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -21,7 +21,8 @@ using vec2 = mtk::vect<2>;
 const auto lengthOf = [](const auto& a, const auto& b) { return (a - b).norm(); };
 const auto positionOf = [](const auto& a) { return a; };
 
-/// Points in the plane, positions of some of them, and distances; one point hangs on a single position and a single distance.
+/// Points in the plane, positions of some of them, and distances. One point depends on a single position and a single
+/// distance.
 struct CheckedSurvey {
   slom::Estimator est;
   std::vector<slom::VarID<vec2>> points;

@@ -1,5 +1,5 @@
-// Covariances are what they say: of 1000 problems with the same truth and new noise, the errors of the estimates e have
-// e^T C^-1 e distributed as chi-square.
+// Covariances are right: in 1000 problems with the same truth and new noise, the errors e of the estimates have e^T
+// C^-1 e distributed as chi-square.
 #include <cmath>
 #include <functional>
 #include <random>

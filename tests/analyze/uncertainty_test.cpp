@@ -1,4 +1,4 @@
-// Covariances of all variables at once, correlations, propagation, and whose word on sigma counts.
+// Covariances of all variables at once, correlations, propagation, and the source of sigma.
 #include <cmath>
 #include <memory>
 #include <random>
@@ -119,7 +119,7 @@ TEST(Uncertainty, IsPropagatedThroughFunctions) {
   EXPECT_LT((motion.covariance.bottomRightCorner(3, 3) - own.bottomRightCorner(3, 3)).norm(), 1e-12);
 }
 
-/// Iterations end with 1.4 in place of 5e8 where a direction is hardly determined.
+/// In a poorly determined direction, an iterative solver ends with 1.4 in place of 5e8.
 TEST(Uncertainty, OfASolverThatIteratesIsThatOfOneThatFactorises) {
   using Options = slom::BlockSolverOptions;
   const auto deviations = [](double sigma, std::unique_ptr<slom::LinearSolver> solver) {
@@ -214,7 +214,7 @@ struct Trilateration {
   static constexpr auto distance = [](const auto& a, const auto& b) { return (a - b).norm(); };
 };
 
-/// The redundancy, and so the variance factor, does not depend on how the datum is chosen, nor on whether it is.
+/// The redundancy, and so the variance factor, depends neither on the choice of the datum nor on whether there is one.
 TEST(Uncertainty, RedundancyIsThatOfTheRankOfJ) {
   for (const int count : {4, 5, 9}) {
     Trilateration network(count);
@@ -296,8 +296,8 @@ TEST(Profile, OfALinearModelIsTheQuantileOfTheNormalDistributionOrStudents) {
   EXPECT_NEAR(est.profile(line, "x").upper, fitted[0] + half, 1e-6 * half);
 }
 
-/// Michaelis and Menten's curve, whose intervals are lopsided: the RSS at the ends, found by a fine search over the other
-/// parameter, is above the minimum by the quantile; and an end that lies at infinity is said to.
+/// Michaelis and Menten's curve, whose intervals are asymmetric. At the ends, the RSS from a fine search over the other
+/// parameter is above the minimum by the quantile. An end at infinity is reported as such.
 TEST(Profile, OfACurveIsLopsided) {
   slom::Estimator est;
   const auto p = est.insertRV(vec2(200, 0.1), "enzyme");
@@ -328,8 +328,8 @@ TEST(Profile, OfACurveIsLopsided) {
   EXPECT_NEAR(open.profile(x).lower, 1 / (1 + 1.959963984540054), 1e-6);
 }
 
-/// r = (x - z) / sigma has its interval in closed form: z +- 1.96 sigma, cut by the bound; from a bound b that z is beyond,
-/// (t - z)^2 - (b - z)^2 = (1.96 sigma)^2.
+/// r = (x - z) / sigma has its interval in closed form: z +- 1.96 sigma, cut by the bound. If z is beyond the bound b,
+/// the end t has (t - z)^2 - (b - z)^2 = (1.96 sigma)^2.
 TEST(Profile, EndsAtBounds) {
   const double q = 1.959963984540054, inf = std::numeric_limits<double>::infinity();
   struct Case {

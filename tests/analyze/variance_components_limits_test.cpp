@@ -1,4 +1,4 @@
-// Variance components of large problems, and what is said where the iteration or the linearisation has its limits.
+// Variance components of large problems, and messages at the limits of the iteration or the linearisation.
 #include <cmath>
 #include <random>
 #include <string>
@@ -55,7 +55,8 @@ struct Chain {
   }
 };
 
-/// Beyond 400 unknowns the information is a mean over random signs: factors are exact, what is said of them nearly.
+/// Beyond 400 unknowns the information is a mean over random signs. Factors are exact; statements about them are
+/// approximate.
 TEST(VarianceComponentsLimits, OfALargeProblem) {
   const Chain chain(420, 2, 0.5);
   const slom::VarianceComponents v = chain.est.varianceComponents();

@@ -79,8 +79,8 @@ Tally simulateLine(const LineSimulation& wanted) {
   return tally;
 }
 
-/// Unbiased; intervals by chi-square hold in 93 to 97 %, and those of two standard deviations, too, where there are enough residuals for
-/// the factor to be nearly normal.
+/// Expects unbiased factors. Intervals by chi-square hold in 93 to 97 % of the cases. So do intervals of two standard
+/// deviations if there are enough residuals for the factor to be nearly normal.
 void expectHolds(const Tally& tally, bool is_nearly_normal) {
   for (Eigen::Index k = 0; k < tally.mean.size(); ++k) {
     EXPECT_NEAR(tally.mean[k], 1, 3 * tally.square[k]) << k;

@@ -24,8 +24,8 @@ using vec2 = mtk::vect<2>;
 const auto height = [](const auto& a) { return a; };
 const auto rise = [](const auto& a, const auto& b) { return b - a; };
 
-/// Heights of five points, by several instruments. The model as dense matrices, in stated standard deviations: y = X x + e, Cov(e) = sum
-/// theta_k V_k.
+/// Heights of five points, measured by several instruments. The model as dense matrices, in stated standard deviations:
+/// y = X x + e, Cov(e) = sum theta_k V_k.
 struct Levelling {
   slom::Estimator est;
   std::vector<slom::VarID<double>> points;
@@ -65,7 +65,7 @@ struct Levelling {
     for (std::size_t i = 0; i < y.size(); ++i) result(Index(i), Index(i)) = kind[i] == k ? 1 : 0;
     return result;
   }
-  /// That of an error that kind k shares on each day, with a correlation that falls with the time between.
+  /// Returns V of an error that kind k shares on each day, with a correlation that falls with the time between.
   MatrixXd sharedV(int k, double length = 1e300) const {
     MatrixXd result = MatrixXd::Zero(Index(y.size()), Index(y.size()));
     for (std::size_t i = 0; i < y.size(); ++i) {
@@ -78,7 +78,8 @@ struct Levelling {
   }
 };
 
-/// Points by GPS, rises by two levels; `shared`: what rises of the first level have in common on each of 8 days.
+/// Inserts points by GPS, and rises by two levels. `shared`: error that rises of the first level share on each of 8
+/// days.
 void level(Levelling& all, const std::vector<double>& sigma, double shared = 0) {
   for (int day = 0; day < 8; ++day) {
     const double common = shared * all.normal();

@@ -1,4 +1,4 @@
-// A problem that was saved and loaded is the same problem: residuals, structure, masks, and what the fit finds.
+// A problem that was saved and loaded is the same: residuals, structure, masks, and the result of the fit.
 #include <cmath>
 #include <sstream>
 
@@ -199,7 +199,8 @@ TEST(Archive, WhatIsLoadedIsSavedTheSame) {
   }
 }
 
-/// A file of before RelativePose measured in the frame of z means what it meant, and files of today say which they mean.
+/// Files from before RelativePose measured in the frame of z keep their meaning. Present files state which frame they
+/// mean.
 TEST(Archive, RelativePosesOfEarlierFilesKeepTheirFrame) {
   const std::string kind = "\"RelativePose(trafo<SO3>, trafo<SO3>, measured trafo<SO3>)";
   const std::string half =
@@ -218,7 +219,7 @@ TEST(Archive, RelativePosesOfEarlierFilesKeepTheirFrame) {
   EXPECT_LT((loaded(file(today)).estimator.residuals() - expected).norm(), 1e-15);
   EXPECT_NE(saved(loaded(file(today)).estimator).find(today + "\" \"\"\n"), std::string::npos);
 }
-/// A name of one's own does not hide the change either.
+/// A user's own name does not hide the change either.
 TEST(Archive, ANamedRelativePoseSaysItsFrame) {
   Archive archive;
   archive.measurement<RelativePose, VarID<Pose>, VarID<Pose>, Measured<Pose>>("odometry");

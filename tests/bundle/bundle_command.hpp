@@ -24,7 +24,7 @@ struct Fitted {
   std::string bal, ply;
 };
 
-/// What comes out of a fit that must converge.
+/// Returns the output of a fit that must converge.
 inline Fitted fitted(const std::string& content, std::vector<std::string> options = {}) {
   const TemporaryFolder folder;
   options.insert(options.end(), command.all_results.begin(), command.all_results.end());

@@ -9,7 +9,7 @@ namespace {
 using slom::testing::sourcePath;
 using testing::command;
 
-/// scene.txt compressed by the program, under a name that does not say so.
+/// Returns scene.txt compressed by bzip2's program, under a name without the extension.
 std::string compressedScene() {
   const slom::testing::TemporaryFolder folder;
   std::filesystem::copy_file(sourcePath("data/simulated_bundle/scene.txt"), folder / "scene");

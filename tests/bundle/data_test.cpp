@@ -1,4 +1,4 @@
-// Public data sets, whose minima are known.
+// Public data sets with known minima.
 #include "bundle/bundle_command.hpp"
 #include "support/slow_with_sanitizers.hpp"
 

@@ -1,4 +1,4 @@
-// The run that docs/bundle.md shows is real, but for the iterations.
+// The run in docs/bundle.md is real, except for the iterations.
 #include "support/documented_run.hpp"
 
 namespace slom::testing {

@@ -1,4 +1,4 @@
-// What the fit finds, against known truth and against an independent sum of squares.
+// Results of the fit, against known truth and against an independent sum of squares.
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 

@@ -16,7 +16,8 @@ namespace {
 
 using testing::RawScene;
 
-/// unknowns - rank of the Jacobian by central differences, columns scaled to length 1; -1: the singular values show no gap.
+/// Returns unknowns - rank of the Jacobian by central differences, with columns scaled to length 1; -1 if the singular
+/// values have no gap.
 int nullityOf(RawScene scene) {
   std::vector<double*> unknowns;
   for (auto& camera : scene.cameras) {
@@ -54,8 +55,8 @@ int nullityOf(RawScene scene) {
   return has_gap ? int(n - rank) : -1;
 }
 
-/// One to three parts that share nothing, cameras with 1 to 6 points among others that see most, points that one camera sees, and
-/// an observation that is there twice.
+/// Returns one to three parts that share nothing. Some cameras have 1 to 6 points, others see most. Some points are
+/// seen by one camera only, and one observation is given twice.
 RawScene randomScene(std::uint64_t seed, double sigma) {
   std::mt19937_64 random(seed);
   const auto below = [&](int n) { return int(random() % std::uint64_t(n)); };
@@ -98,7 +99,8 @@ TEST(BundleFreeDirections, AreThoseOfTheJacobian) {
   EXPECT_GT(different.size(), 6u);
 }
 
-/// Cameras at one place see no depth: each point is free along its ray, and the place of all cameras together, but no scale.
+/// Cameras at one place see no depth. Each point is free along its ray, and so is the place of all cameras together;
+/// there is no free scale.
 TEST(BundleFreeDirections, OfCamerasThatTurnAtOnePlace) {
   RawScene scene = testing::simulated(3, 24, 0, 7);
   for (auto& camera : scene.cameras) {  // X + t with t = R c for one c: here R = 1 but for a turn about z
@@ -128,7 +130,8 @@ TEST(BundleFreeDirections, WhatIsNotCountedIsALowerLimit) {
   EXPECT_EQ(all.count, 7);
 }
 
-/// The command says what the count is at the values that it found; the redundancy is the number of observations' coordinates less the rank.
+/// The command reports the count at the fitted values. The redundancy is the number of observed coordinates minus the
+/// rank.
 TEST(BundleFreeDirections, OfTheCommand) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const RawScene scene = randomScene(seed, 0);

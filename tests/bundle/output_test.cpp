@@ -124,7 +124,7 @@ TEST(BundleOutput, FilesHoldTheFittedScene) {
   }
 }
 
-/// Gauss-Newton refuses what nothing holds, and says of which camera or point.
+/// Gauss-Newton refuses cameras and points that nothing holds, and names them.
 TEST(BundleOutput, MessagesNameCamerasAndPoints) {
   BundleFit fit(io::parseScene("scene.txt", testing::contentOf(start)), FitOptions());
   const Summary summary = fit.optimize(Options());

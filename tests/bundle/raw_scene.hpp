@@ -1,4 +1,4 @@
-// Scenes as plain numbers, and what they mean, written out without the project's code.
+// Scenes as plain numbers with their meaning, written without the project's code.
 #pragma once
 
 #include <array>
@@ -98,7 +98,8 @@ class Noise {
   std::normal_distribution<double> normal_;
 };
 
-/// Cameras on an arc, 6 units from points around the origin, all of which they see with errors of `sigma` px.
+/// Returns cameras on an arc, 6 units from points around the origin. All cameras see all points, with errors of `sigma`
+/// px.
 inline RawScene simulated(int cameras, int points, double sigma, std::uint64_t seed) {
   Noise noise(seed);
   RawScene scene;

@@ -1,4 +1,4 @@
-// Views that repeat others are found and left out; frames of a camera at rest are not copies.
+// Views that repeat others are found and left out. Frames of a camera at rest are no copies.
 #include <cmath>
 #include <random>
 

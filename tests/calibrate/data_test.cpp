@@ -36,7 +36,7 @@ std::vector<std::string> stereo(const std::filesystem::path& folder, const std::
           "--intrinsics", model};
 }
 
-/// Runs tests/calibrate_reference/opencv_stereo.py; exit code 3 means that OpenCV is not there.
+/// Runs tests/calibrate_reference/opencv_stereo.py. Exit code 3 means that OpenCV is missing.
 testing::CommandResult runReference(std::vector<std::string> options) {
   options.insert(options.begin(),
                  {"/usr/bin/python3", sourcePath("tests/calibrate_reference/opencv_stereo.py").string()});

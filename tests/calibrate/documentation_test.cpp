@@ -1,6 +1,6 @@
-// The run that docs/calibrate.md shows is real: the `$ slom ...` line of its console block prints what
-// follows it there, but for the iterations, whose number and last digits depend on rounding errors. The
-// Python that reads the YAML is run too.
+// The run in docs/calibrate.md is real: the `$ slom ...` line of its console block prints what follows it there, except
+// for the iterations, whose number and last digits depend on rounding errors. The Python that reads the YAML is run
+// too.
 #include "support/documentation.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The double-sphere model: its formula, where it has no image, what a calibration finds of a lens that it is, and the command.
+// The double-sphere model: its formula, points without an image, calibration of such a lens, and the command.
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -87,7 +87,8 @@ const std::vector<std::vector<double>> lenses{fisheye_lens,
                                               {300, 302, 322, 243, 0.2, 0.55},
                                               {300, 302, 322, 243, -0.3, 0.7}};
 
-/// Lenses with xi < 0 and with xi > 0 bend alike to a few thousandths of a pixel, and yet the truth is distinguished from its double.
+/// Lenses with xi < 0 and with xi > 0 bend alike to a few thousandths of a pixel. The truth is still distinguished from
+/// its double.
 TEST(DoubleSphere, FindsTheTruthWithoutNoise) {
   testing::Scene scene;
   scene.nearest = 0.12;
@@ -123,7 +124,7 @@ TEST(DoubleSphere, FindsTheTruthWithNoiseWhereXiIsKnown) {
   }
 }
 
-/// At xi = 0 a change of xi does what changes of focal lengths and alpha do, so that they cannot be distinguished.
+/// At xi = 0, changing xi has the effect of changing focal lengths and alpha, so they cannot be distinguished.
 TEST(DoubleSphere, SaysWhereXiIsOpen) {
   testing::Scene scene;
   scene.nearest = 0.12;
@@ -137,7 +138,7 @@ TEST(DoubleSphere, SaysWhereXiIsOpen) {
   }
 }
 
-/// With noise either of the two may fit better: what is determined is where points are seen.
+/// With noise, either of the two may fit better. The images of points are determined.
 TEST(DoubleSphere, SeesAsTheTruthDoesWithNoise) {
   testing::Scene scene;
   scene.nearest = 0.12;

@@ -1,4 +1,5 @@
-// `--exclude`: what is left out, where it is recorded, and what cannot be left out; and the clustered standard deviations in the JSON.
+// `--exclude`: what is left out, where it is recorded, and what cannot be left out. Also the clustered standard
+// deviations in the JSON.
 #include <cmath>
 #include <fstream>
 

@@ -1,4 +1,4 @@
-// Files that a test spoils in its way, and what the command must say about it.
+// Files that a test damages in its own way, and the expected message of the command.
 #pragma once
 
 #include <cstdio>
@@ -14,7 +14,7 @@
 
 namespace slom::app::calib::testing {
 
-/// A small stereo rig with an IMU, whose files each test spoils in its way.
+/// A small stereo rig with an IMU, whose files each test damages in its own way.
 struct Files {
   std::string left, right, imu;
 

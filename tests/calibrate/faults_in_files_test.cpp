@@ -1,4 +1,4 @@
-// Every mistake in the data: one sentence that says where and what to do, exit code 2, and no file written.
+// Every mistake in the data gives one sentence with place and remedy, exit code 2, and no file.
 #include <filesystem>
 #include <numbers>
 #include <random>
@@ -235,8 +235,8 @@ TEST(CalibrateFaults, TooFewCornersForTheModel) {
                 "left.csv:2: the corners give 16 numbers for 21 unknowns of the model opencv5; add images "
                 "or corners, or choose a model with fewer parameters by --intrinsics");
 }
-/// Eight images of a board that is always tilted by the same angle about the camera's x axis, but turned and moved, with
-/// noise of 0.2 px.
+/// Returns eight images of a board that is always tilted by the same angle about the camera's x axis, but turned and
+/// moved. The noise is 0.2 px.
 std::string parallelBoards(double tilt_deg) {
   std::mt19937 engine(3);
   std::normal_distribution<double> noise(0, 0.2);

@@ -285,7 +285,7 @@ TEST(CalibrateFaults, AFitThatDoesNotConvergeSaysSo) {
   EXPECT_FALSE(std::filesystem::exists(folder / "result.yaml"));
 }
 
-/// Photographs of different moments under one number: a fit of them may converge, but is of no use.
+/// Photographs of different moments under one number. A fit of them may converge, but is of no use.
 TEST(CalibrateFaults, ImagesThatContradictEachOther) {
   const std::string left = slom::testing::sourcePath("data/opencv_stereo/left_corners.csv"),
                     right = slom::testing::readFile(

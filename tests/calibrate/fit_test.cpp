@@ -51,7 +51,7 @@ void keepImages(CameraData& camera, int first, int last) {
   std::erase_if(camera.views, [&](const View& v) { return v.image < first || v.image > last; });
 }
 
-/// Everything agrees with the truth to what the optimiser leaves.
+/// Expects agreement with the truth up to the accuracy of the optimiser.
 void expectTruth(const Calibrated& r) {
   ASSERT_TRUE(r.result.success()) << r.result.message << r.result.undetermined;
   for (std::size_t c = 0; c < r.truth.cameras.size(); ++c) {

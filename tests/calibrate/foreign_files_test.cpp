@@ -1,4 +1,5 @@
-// Corner files of mrcal and OpenCV, and Kalibr's targets: the same simulated corners in every format give the same calibration, to the last bit.
+// Corner files of mrcal and OpenCV, and Kalibr's targets. The same simulated corners give the same calibration in every
+// format, to the last bit.
 #include <filesystem>
 #include <functional>
 
@@ -19,7 +20,7 @@ using testing::TemporaryFolder;
 constexpr int columns = 7, rows = 5;
 constexpr double square_m = 0.05;
 
-/// Views of a whole board, so that every format can hold them.
+/// Returns views of a whole board, so that every format can hold them.
 CameraData completeViews(unsigned seed) {
   testing::RigOptions options;
   options.cameras = 1;
@@ -70,7 +71,7 @@ std::string vnlog(const CameraData& camera, const char* last_column) {
   return text + "shots/frame000099-cam0.png - -\n";
 }
 
-/// What OpenCV's calibration sample writes, as cv::FileStorage does.
+/// Returns the file that OpenCV's calibration sample writes with cv::FileStorage.
 std::string sampleYaml(const CameraData& camera) {
   return fmt::format(
       "%YAML:1.0\n---\ncalibration_time: \"Sat Nov 28 12:00:00 2026\"\nimage_width: 640\nimage_height: 480\nboard_width: {}\n"

@@ -13,7 +13,7 @@ using nlohmann::json;
 using slom::testing::sourcePath;
 using slom::testing::TemporaryFolder;
 
-/// What YAML means, as JSON; null without Python's yaml.
+/// Returns the content of a YAML file as JSON; null without Python's yaml.
 json readYaml(const std::filesystem::path& file) {
   const auto result = slom::testing::runCommand(
       {"/usr/bin/python3", "-c",

@@ -55,7 +55,8 @@ TEST(CalibrateHostile, NumbersThatAreNotFiniteAreNeverWritten) {
   EXPECT_NE(nlohmann::json::parse(json)["quality"]["verdict"]["level"], "trustworthy");
 }
 
-/// A corner that is far off may leave no start values. What is said then is about the data, not about the library's functions.
+/// A corner that is far off may leave no start values. The message is then about the data, not about functions of the
+/// library.
 TEST(CalibrateHostile, ACornerFarOffThatIsKept) {
   const std::string good = readFile(slom::testing::sourcePath("data/opencv_stereo/left_corners.csv"));
   const slom::testing::TemporaryFolder folder;
@@ -83,7 +84,7 @@ TEST(CalibrateHostile, ACornerFarOffThatIsKept) {
   EXPECT_GE(refused, 1);
 }
 
-/// Rows of the page's tables follow the shape of the images, but not without end.
+/// The number of rows in the page's tables follows the shape of the images, within a limit.
 TEST(CalibrateHostile, ImagesOfAnOddShapeHaveASmallPage) {
   const testing::Files files;
   const slom::testing::TemporaryFolder folder;

@@ -1,4 +1,5 @@
-// Readings of an IMU in another unit or along wrong axes: exit code, verdict and JSON name the cause. Rigs of several seeds.
+// Readings of an IMU in another unit or along wrong axes, for rigs of several seeds. Exit code, verdict and JSON name
+// the cause.
 #include <functional>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// --max-seconds and Ctrl-C hold for the whole run, and what is finished is written.
+// --max-seconds and Ctrl-C apply to the whole run. Finished results are written.
 #include <chrono>
 #include <csignal>
 #include <random>

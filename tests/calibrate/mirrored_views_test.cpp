@@ -98,7 +98,7 @@ TEST(MirroredViews, NoneIsNamedOfABoardThatIsNotFlat) {
   EXPECT_TRUE(mirroredViews(data).empty());
 }
 
-/// Turned about the vertical by up to 89 degrees, a board has the handedness of its front or none, before any lens.
+/// Turned about the vertical by up to 89 degrees, a board has the handedness of its front or none, for any lens.
 TEST(MirroredViews, ABoardSeenFromTheFrontIsNeverTakenForAMirroredOne) {
   constexpr double degrees = std::numbers::pi / 180;
   CameraResult lens;

@@ -1,5 +1,4 @@
-// The camera models, what a calibration makes of data that one of them produced, and which one --compare
-// chooses.
+// The camera models, calibrations of data from one of them, and the choice of --compare.
 #include <functional>
 #include <random>
 

@@ -46,7 +46,7 @@ TEST(Format, TwoDigits) {
   EXPECT_EQ(fixedDecimals(0.12345, 3), "0.123");
 }
 
-/// A result with one camera whose residuals are what the sigmas say, and an IMU that is well determined.
+/// Returns a result with one camera, residuals that agree with the sigmas, and a well determined IMU.
 Result goodResult() {
   Result result;
   result.converged = true;

@@ -1,4 +1,4 @@
-// The page and the JSON as files: complete by themselves, of bounded size, honest about what is missing.
+// The page and the JSON as files: self-contained, of bounded size, and open about what is missing.
 #include <map>
 #include <regex>
 #include <sstream>

@@ -1,5 +1,5 @@
-// Data of a program that make no sense are refused, by a sentence that says which camera, image, corner or reading, what the
-// value is and what to do.
+// Invalid data of a program are refused by a sentence: which camera, image, corner or reading, the value, and the
+// remedy.
 #include <functional>
 #include <utility>
 

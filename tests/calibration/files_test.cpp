@@ -1,4 +1,5 @@
-// Files of corners and readings: what is written is read again, to the last bit; several files of a camera; and what is wrong with a file.
+// Files of corners and readings: written files are read again, to the last bit; several files of a camera; faults in a
+// file.
 #include <fstream>
 #include <string>
 

@@ -1,4 +1,4 @@
-// The order of views is of no account: the same bits come out.
+// The order of views does not matter: the same bits come out.
 #include <algorithm>
 #include <bit>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Results that do not belong to the data, or lack what is asked of them, and settings that make no sense.
+// Results that do not belong to the data or lack a requested part, and invalid settings.
 #include <chrono>
 #include <functional>
 #include <string>

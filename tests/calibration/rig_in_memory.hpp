@@ -1,4 +1,4 @@
-// A rig of two cameras and an IMU, as a program has it in memory: without files and lines.
+// A rig of two cameras and an IMU in the memory of a program, without files and lines.
 #pragma once
 
 #include <cmath>
@@ -12,8 +12,8 @@ namespace slom::calibration::testing {
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Six images of a board of 7 x 5 corners by two pinholes with f = 500 px, 0.1 m apart, and a reading for each. Noise of
-/// about 0.1 px and 0.01 m/s^2 that is the same in each run.
+/// Returns six images of a board of 7 x 5 corners by two pinholes with f = 500 px, 0.1 m apart, and an IMU reading for
+/// each. Noise of about 0.1 px and 0.01 m/s^2 is the same in each run.
 inline Dataset rigInMemory() {
   double phase = 0;
   const auto noise = [&](double size) { return size * std::sin(phase += 1.7); };

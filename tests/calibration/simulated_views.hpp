@@ -1,4 +1,4 @@
-// Views of a board that a lens of any model sees, and what a calibration from them must find.
+// Views of a board through a lens of any model, and the expected result of a calibration from them.
 #pragma once
 
 #include <random>

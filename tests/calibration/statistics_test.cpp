@@ -1,9 +1,7 @@
-// 100 simulated calibrations: is what they say about their own uncertainty true? Each estimate less the
-// truth, over its standard deviation, must be a sample of N(0, 1); seeds are fixed, so the test passes or
-// fails for good.
-//   each parameter   sum of 100 squares within the chi-square distribution, and the Kolmogorov-Smirnov
-//   distance
-//                    from N(0, 1), both at a significance of 1e-3; finds standard deviations off by 30 %
+// 100 simulated calibrations: their statements about their own uncertainty are true. Each (estimate - truth) / standard
+// deviation must be a sample of N(0, 1). Seeds are fixed, so the test always passes or always fails.
+//   each parameter   sum of 100 squares within the chi-square distribution, and the Kolmogorov-Smirnov distance from
+//                    N(0, 1), both at a significance of 1e-3; finds standard deviations off by 30 %
 //   all runs         sum of the RSS within the chi-square distribution, significance 1e-3
 #include <algorithm>
 #include <cmath>

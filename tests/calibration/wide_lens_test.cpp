@@ -1,4 +1,5 @@
-// Lenses of 170 and 190 degrees: no good corner is left out, the focal length holds within its standard deviation, and a pinhole model is named as the wrong one.
+// Lenses of 170 and 190 degrees: no good corner is left out, the focal length holds within its standard deviation, and
+// a pinhole model is named as wrong.
 #include <cmath>
 #include <random>
 

@@ -1,4 +1,4 @@
-// The problems of docs/coming_from/ceres.md by Ceres and by SLoM: values and covariances agree, as the page says they do.
+// The problems of docs/coming_from/ceres.md by Ceres and by SLoM. As the page says, values and covariances agree.
 #include <Eigen/Geometry>
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>

@@ -26,7 +26,8 @@ TEST(ComingFromGtsam, ASquareCloses) {
   // clang-format on
   EXPECT_TRUE(summary.converged) << summary;
   EXPECT_EQ(summary.redundancy, 3);
-  // The last side is 10 cm too long: the opposite one takes a quarter of that, as all are equally accurate and what they turn hardly counts.
+  // The last side is 10 cm too long. The opposite one takes a quarter of that, because all sides are equally accurate and
+  // their rotations hardly count.
   EXPECT_NEAR(x[1]->pos.x(), 2, 0.03);
   EXPECT_NEAR(x[2]->pos.y(), 2, 0.06);
   EXPECT_LT(covariance(0, 0), 0.05 * 0.05 * 2);

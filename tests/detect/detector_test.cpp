@@ -1,4 +1,4 @@
-// Detected corners against where they were drawn.
+// Detected corners, compared with the drawn positions.
 #include "calibrate/detect/detector.hpp"
 
 #include <numbers>

@@ -221,8 +221,8 @@ TEST_F(Images, OfThePublicDataThatFilledTheMemory) {
                                "must tell its photographs apart\n");
 }
 
-/// A corner file may name any file as a photograph; it is never opened, so that a pipe nobody writes to makes
-/// no one wait.
+/// A corner file may name any file as a photograph. Such a file is never opened, so a pipe that nobody writes to blocks
+/// nothing.
 TEST_F(Images, ThatACornerFileNamesAreNotOpened) {
   calibrated(stereo({"--corners-out", "."}));
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);

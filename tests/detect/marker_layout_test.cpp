@@ -1,4 +1,4 @@
-// ChArUco boards whose size, dictionary or pattern is given wrongly: the command says which one the markers show.
+// ChArUco boards with a wrongly stated size, dictionary or pattern. The command names the one that the markers show.
 #include "calibrate/detect/marker_layout.hpp"
 
 #include <gtest/gtest.h>
@@ -91,7 +91,7 @@ TEST(MarkerLayout, ThePatternBeforeOpenCv46IsNamed) {
       "board again by OpenCV 4.6 or later");
 }
 
-/// Ids and centres alone: from few markers, with noise and markers read wrongly, over sizes and seeds.
+/// Finds the layout from ids and centres only: from few markers, with noise and misread markers, over sizes and seeds.
 TEST(MarkerLayout, IsFoundFromPartsOfBoards) {
   const unsigned boards = slom::testing::hasSanitizers() ? 3 : 40;
   for (unsigned seed = 1; seed <= boards; ++seed) {

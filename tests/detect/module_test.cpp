@@ -1,4 +1,4 @@
-// Where libslom_detect.so is looked for: in one place.
+// The single place in which libslom_detect.so is searched.
 #include <filesystem>
 #include <unistd.h>
 
@@ -75,7 +75,7 @@ TEST(DetectorModule, OfOthersIsNotTrusted) {
   EXPECT_EQ(refusal(), "no error");
 }
 
-/// A copy of the program, with files of that name in the working directory, beside it, and in neighbouring
+/// A copy of the program, with files of that name in the working directory, beside the program, and in neighbouring
 /// folders.
 TEST(DetectorModule, OfOthersIsNotLoaded) {
   const slom::testing::TemporaryFolder folder;

@@ -1,4 +1,4 @@
-// Photographs of boards at known places, drawn by following each pixel's ray to the board: the truth for
+// Photographs of boards at known poses, drawn by following each pixel's ray to the board. They are the truth for
 // detectors.
 #pragma once
 
@@ -52,8 +52,8 @@ struct Viewer {
     return vec3(x / angle * std::sin(angle), y / angle * std::sin(angle), std::cos(angle));
   }
 
-  /// Each pixel is averaged over rays around it, as many of them as a blur of half a pixel spreads, with a
-  /// little noise. Where nothing changes within a pixel, one ray does.
+  /// Renders a photograph. Each pixel is the mean of rays around it, spread by a blur of half a pixel, plus a little
+  /// noise. If nothing changes within a pixel, one ray is enough.
   Photograph photograph(const SE3& board2camera, const Picture& picture, unsigned seed = 1) const {
     std::mt19937 random(seed);
     std::normal_distribution<> noise(0, 1.5);

@@ -23,8 +23,8 @@ inline std::vector<std::vector<int>> bitsOf(int dictionary, int id, int bits, in
   return result;
 }
 
-/// Squares from (0, 0) at the upper left, the first one black, or white in a `legacy` board; markers in the white ones by rows. The corners
-/// of Board begin at the first inner one.
+/// Draws squares from (0, 0) at the upper left. The first square is black, or white in a `legacy` board. Markers are in
+/// the white squares, row by row. The corners of Board begin at the first inner corner.
 inline Picture charucoPicture(const Board& board, int dictionary = cv::aruco::DICT_5X5_100, int bits = 5,
                               bool is_legacy = false) {
   std::vector<std::vector<std::vector<int>>> markers(std::size_t(board.columns * board.rows));

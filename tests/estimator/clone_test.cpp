@@ -1,4 +1,4 @@
-// Copies of estimators: what they share with the original, which is nothing but captures, and whose handles they accept.
+// Copies of estimators: they share only captures with the original, and accept its handles.
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -294,7 +294,7 @@ TEST(Clone, KeepsSolverAlgorithmAndSettings) {
   expectSameFit(of_copy, of_original);
 }
 
-/// What Levenberg-Marquardt has learnt goes along.
+/// The state that Levenberg-Marquardt has learnt is copied too.
 TEST(Clone, GoesOnStepByStep) {
   Map map;
   map.est.changeAlgorithm(slom::LevenbergMarquardt(0.5));

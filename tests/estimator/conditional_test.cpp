@@ -1,4 +1,5 @@
-// The Schur complement of a chosen set: what its measurements say about the others, without a change of the estimator.
+// The Schur complement of a chosen set: the information of its measurements on the others, without changing the
+// estimator.
 #include "slom/conditional.hpp"
 
 #include <algorithm>
@@ -47,7 +48,8 @@ void joinMaps(const Estimator& submap, const std::vector<AnyVarID>& inner, Estim
   }
 }
 
-/// What a submap says about the three points that it shares with a map, inserted there, makes the map that of all measurements.
+/// A submap shares three points with a map. Its information on these points, inserted into the map, gives the map of
+/// all measurements.
 TEST(Conditional, JoinsMaps) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     Estimator whole, submap, map;

@@ -1,4 +1,4 @@
-// Errors by their parts: what a program reads of them without looking into their text.
+// Parts of errors, which a program reads without parsing the text.
 #include <functional>
 #include <string>
 

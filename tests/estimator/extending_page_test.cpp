@@ -1,5 +1,5 @@
-// The code of docs/extending.md, as it stands there: a manifold, a kind of measurement, a loss, an algorithm and a linear solver of a
-// user's own, each against something that knows the answer.
+// The code of docs/extending.md, unchanged: a user's own manifold, kind of measurement, loss, algorithm and linear
+// solver. Each is compared with a known answer.
 #include <cmath>
 #include <memory>
 #include <string>
@@ -208,7 +208,7 @@ TEST(ExtendingPage, AnAlgorithm) {
     EXPECT_LE(summary.trace[i].rss, summary.trace[i - 1].rss);
 }
 
-/// A loop of levelled points; what both solvers find, step by step.
+/// Fits a loop of levelled points, and returns the results of each step.
 slom::Summary fitLoop(std::unique_ptr<slom::LinearSolver> solver, std::vector<double>& heights) {
   slom::Estimator est;
   std::vector<slom::VarID<double>> points;
@@ -237,7 +237,7 @@ TEST(ExtendingPage, ASolver) {
   for (std::size_t i = 0; i < own.size(); ++i) EXPECT_NEAR(own[i], oracle[i], 1e-12);
 }
 
-/// What does not determine everything is noticed, and named.
+/// Undetermined unknowns are detected and named.
 TEST(ExtendingPage, ASolverThatFindsNoRank) {
   slom::Estimator est;
   const auto a = est.insertRV(1.0, "a"), b = est.insertRV(2.0, "b");

@@ -1,4 +1,4 @@
-// First-estimate Jacobians: a window keeps the motions that no measurement sees free, for as long as it runs.
+// First-estimate Jacobians: motions that no measurement observes stay free while a window runs.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -55,7 +55,8 @@ std::pair<MatrixXd, VectorXd> linearized(const Estimator& est) {
   return {J, r};
 }
 
-/// Number of directions that no row sees, of columns of length 1: singular values below 1e-10 of the largest. What is not rounding is far above.
+/// Returns the number of directions that no row observes, for columns of length 1: singular values below 1e-10 of the
+/// largest. Singular values that are not rounding are far above.
 int freeDirections(const Estimator& est) {
   MatrixXd J = linearized(est).first;
   int unused = 0;  // places of variables that have been removed
@@ -71,7 +72,7 @@ int freeDirections(const Estimator& est) {
   return static_cast<int>((s.array() < 1e-10 * s[0]).count() + J.cols() - s.size()) - unused;
 }
 
-/// A window that moves with a robot. Values are fitted at each step, so that linearisation points differ.
+/// A window that moves with a robot. Values are fitted at each step, so linearisation points differ.
 class Window {
  public:
   Window(int variables, bool first_estimates)
@@ -182,7 +183,7 @@ class SpatialWindow final : public Window {
   std::vector<VarID<Pose3>> ids_;
 };
 
-/// Four poses in a loop, the first of which is forgotten, and then the others are moved.
+/// Four poses in a loop. The first is marginalised, then the others are moved.
 struct Loop {
   Estimator est;
   std::vector<VarID<Pose2>> poses;
@@ -278,7 +279,7 @@ TEST(FirstEstimates, AreThoseOfLaterPriors) {
   }
 }
 
-/// Both fits end where J^T r = 0 for the Jacobians that the window has.
+/// Both fits end where J^T r = 0 for the window's Jacobians.
 TEST(FirstEstimates, FitsOfAWindowConverge) {
   PlanarWindow batch(true, false), online(true, false), plain(false, false), damped(true);
   batch.est.changeAlgorithm(GaussNewton());
@@ -305,7 +306,7 @@ TEST(FirstEstimates, FitsOfAWindowConverge) {
       << ::testing::PrintToString(by_optimize) << ::testing::PrintToString(by_optimize_without);
 }
 
-/// Where residuals are large, steps that lead to the root of J^T r raise the RSS often.
+/// If residuals are large, steps to the root of J^T r often raise the RSS.
 TEST(FirstEstimates, LargeResidualsTakeFewIterations) {
   PlanarWindow window(true, false, 8, 4);
   window.est.changeAlgorithm(GaussNewton());

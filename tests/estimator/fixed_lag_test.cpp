@@ -1,4 +1,4 @@
-// A window that forgets ends where all data together end, as long as functions are linear.
+// If functions are linear, a window that forgets gives the same result as all data together.
 #include "slom/fixed_lag.hpp"
 
 #include <cmath>
@@ -15,7 +15,8 @@ namespace {
 using Point = mtk::vect<2>;
 using testing::messageOf;
 
-/// A walk with an odometer, fixes of the position now and then, others of an unknown offset, and a beacon that is seen for a while.
+/// A walk with an odometer, occasional position fixes, other fixes with an unknown offset, and a beacon that is seen
+/// for a while.
 struct Walk {
   Estimator est;
   VarID<Point> offset = est.insertRV(Point(0, 0), "offset"), beacon = est.insertRV(Point(1, 1), "beacon");

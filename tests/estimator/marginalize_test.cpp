@@ -1,5 +1,4 @@
-// Variables that are marginalised leave behind what was known by them: the rest of the problem has the same optimum and the same
-// covariances as with them.
+// Marginalised variables leave their information behind: the rest of the problem keeps its optimum and its covariances.
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -96,7 +95,7 @@ TEST(Marginalize, TakesOneVariableAfterTheOtherAsAllTogether) {
   for (std::size_t i = 10; i < 15; ++i) EXPECT_LT((*at_once.points[i] - *in_turn.points[i]).norm(), 1e-11);
 }
 
-/// A loop of poses in the plane with an odometer and closures, some of them wrong where `loss` says so.
+/// A loop of poses in the plane with an odometer and closures. Some closures are wrong if `loss` is given.
 struct ClosedLoop {
   Estimator est;
   std::vector<VarID<Pose>> poses;
@@ -292,7 +291,7 @@ TEST(Marginalize, TakesALongChainAtOnce) {
   EXPECT_NEAR(est.standardDeviation(x.back())[0], 0.1 * std::sqrt(n - 1.), 1e-9);
 }
 
-/// A window over a chain whose poses are all the same, as of a robot that stands still: the rank stays what it is.
+/// A window over a chain of equal poses, as of a robot at rest: the rank does not change.
 TEST(Marginalize, WindowOfARobotThatStandsStill) {
   Estimator est;
   std::vector<VarID<Pose>> window{est.insertRV(Pose())};

@@ -1,4 +1,4 @@
-// Pictures of fits: well-formed SVG whose points lie where the data do.
+// Pictures of fits: well-formed SVG with points at the positions of the data.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>

@@ -1,5 +1,5 @@
-// Whatever is done to an estimator, in whatever order, it is the estimator that is made at once of what is left: the same RSS, in all
-// and for each variable, the same numbers of unknowns and residuals, the same fit.
+// After any sequence of operations, an estimator equals one that is built directly from what remains: the same RSS, in
+// total and for each variable, the same numbers of unknowns and residuals, the same fit.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -28,7 +28,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class Type { number, point, pose };
 
-/// What a variable is to be: its handle in the estimator under test, its value there, and how it is fixed or bounded.
+/// Expected state of a variable: its handle in the estimator under test, its value there, and its fixed or bounded
+/// components.
 struct Variable {
   Type type;
   slom::VarID<double> number;
@@ -63,7 +64,7 @@ struct Way {
   auto operator()(const auto& a, const auto& b) const { return mtk::vector(b[0] - a[0], b[1] - a[1]); }
 };
 
-/// What a measurement is to be, and its handle.
+/// Expected state of a measurement, and its handle.
 struct Measurement {
   int a, b;  // numbers of variables; b = -1 for a prior
   double z[3], sigma;

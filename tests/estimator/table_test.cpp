@@ -359,7 +359,7 @@ TEST(Residuals, ThatAreForgottenAreFound) {
             "values");
 }
 
-/// Runs f and throws what is nested in its exception.
+/// Runs f and rethrows the exception nested in its exception.
 template <class F>
 void rethrowNested(const F& f) {
   try {

@@ -1,5 +1,5 @@
-// Every fenced block of C++ and CMake in the documentation stands, letter by letter, in a source that the test suite
-// compiles and runs; what the README says that its program prints is what it prints.
+// Every fenced block of C++ and CMake in the documentation occurs, letter by letter, in a source that the test suite
+// compiles and runs. The output in the README is the real output.
 #include "support/documentation.hpp"
 
 #include <filesystem>
@@ -80,7 +80,7 @@ TEST(Documentation, ShowsWhatTheProgramOfTheTutorialPrints) {
   EXPECT_EQ(printed[0], readFile(slom::testing::sourcePath("examples/landmark_slam_2d/expected.txt")));
 }
 
-/// What the program of docs/background prints, by page.
+/// Returns the output of the program of docs/background, by page.
 std::map<std::string, std::string> backgroundSections() {
   std::map<std::string, std::string> sections;
   std::istringstream printed(readFile(slom::testing::sourcePath("examples/background/expected.txt")));

@@ -1,5 +1,5 @@
-// The promise of the paper's abstract: the stereo + IMU calibration takes less than 70 lines of code that is not the
-// problem's own (its measurement equations, camera model, data and start values).
+// The promise of the paper's abstract: the stereo + IMU calibration takes fewer than 70 lines beyond the problem itself
+// (its measurement equations, camera model, data and start values).
 #include <fstream>
 #include <string>
 

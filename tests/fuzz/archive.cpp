@@ -1,5 +1,5 @@
-// Saved problems, of the kinds of slom replay with poses. What is loaded can be saved, loaded and saved the
-// same.
+// Saved problems of the kinds of slom replay with poses. A loaded problem can be saved and loaded again, with the same
+// text.
 #include <algorithm>
 #include <sstream>
 

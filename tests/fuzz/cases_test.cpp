@@ -37,7 +37,7 @@ void expectEndsWell(const Target& target, const std::string& name, const std::st
   }
 }
 
-/// What goes wrong in files: bytes, numbers, lines.
+/// Damages a text as files are damaged: bytes, numbers, lines.
 std::string spoilt(std::string text, std::mt19937& random) {
   static const char* const pieces[] = {"nan",        "-inf", "1e999", "1e155",
                                        "-1e-320",    "0",    "-1",    "99999999999999999999",

@@ -1,4 +1,4 @@
-// Corner files of slom calibrate, and what is checked before a fit.
+// Corner files of slom calibrate, and the checks before a fit.
 #include <slom/calibration.hpp>
 
 #include "calibration/data/check.hpp"

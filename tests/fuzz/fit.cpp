@@ -1,4 +1,4 @@
-// Fits of small problems of any numbers: they end, and what is said about the end holds.
+// Fits of small problems with arbitrary numbers: they end, and their claims about the end hold.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -213,7 +213,7 @@ void requireInside(const Problem& problem, const std::vector<Value>& start,
   }
 }
 
-/// Whether sums of squares are the same but for rounding.
+/// Returns whether sums of squares are equal up to rounding.
 bool areNear(long double a, long double b, long double rounding) {
   return std::abs(std::sqrt(a) - std::sqrt(b)) <= 1e-11L * std::sqrt(a) + 16 * rounding;
 }

@@ -1,4 +1,4 @@
-// Pose graphs of g2o and TORO. What is read and written again is the same graph.
+// Pose graphs of g2o and TORO. A graph that is read, written and read again stays the same.
 #include <variant>
 
 #include <slom/io/g2o.hpp>

@@ -1,5 +1,4 @@
-// The options of slom calibrate, one on a line: `fix k3`, `bound fx=400,600`, `board 9x6` and so on; and
-// those of fits.
+// Options of slom calibrate, one per line: `fix k3`, `bound fx=400,600`, `board 9x6` and so on; and those of fits.
 #include <cmath>
 #include <sstream>
 

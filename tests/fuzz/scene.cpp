@@ -1,4 +1,4 @@
-// Bundle adjustments in BAL's format, plain. What is read, checked and written again is the same scene.
+// Bundle adjustments in BAL's format, uncompressed. A scene that is read, checked and written again stays the same.
 #include <slom/io/bal.hpp>
 
 #include "bundle/check.hpp"

@@ -1,5 +1,5 @@
-// What is fuzzed: functions of any bytes. The program `fuzzer` finds inputs for one of them, and all of them are
-// run on the cases of the repository by an ordinary test.
+// Fuzz targets: functions of arbitrary bytes. The program `fuzzer` finds inputs for one of them. An ordinary test runs
+// all of them on the cases of the repository.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ inline std::vector<Target>& targets() {
   return all;
 }
 
-/// What must hold whatever the input is. The exception ends a fuzzer, which stores the input.
+/// Requires a property that holds for every input. The exception ends a fuzzer, which stores the input.
 inline void require(bool holds, const std::string& what) {
   if (!holds) throw std::logic_error(what);
 }

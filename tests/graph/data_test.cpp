@@ -1,4 +1,4 @@
-// Public data sets, whose minima are known.
+// Public data sets with known minima.
 #include "graph/graph_command.hpp"
 #include "graph/oracle.hpp"
 #include "support/slow_with_sanitizers.hpp"
@@ -6,7 +6,7 @@
 namespace slom::app::graph {
 namespace {
 
-/// Fits the data set and compares the RSS with `expected` and with that of the values it wrote.
+/// Fits the data set and compares the RSS with `expected` and with that of the written values.
 template <class Pose>
 void expectRss(const std::string& name, double expected, std::vector<std::string> options = {}) {
   const testing::TemporaryFolder folder;
@@ -60,8 +60,8 @@ TEST(GraphData, Sphere) {
   expectRss<Pose3>("sphere2500.g2o", 1351.362327, {"--init", "chordal"});
 }
 
-/// The start is near the good minimum, 24233.02, that the vertices of the file do not lead to; one iteration
-/// gets nearer.
+/// The start is near the good minimum, 24233.02, which the vertices of the file do not lead to. One iteration gets
+/// nearer.
 TEST(GraphData, TorusFromAChordalStart) {
   SLOM_POSE_GRAPH("torus3D.g2o");
   SLOM_SKIP_WITH_SANITIZERS();

@@ -12,7 +12,8 @@
 
 namespace slom::app::graph::testing {
 
-/// The smallest RSS that damped Gauss-Newton steps with numeric derivatives find from the values of `graph`; what is fixed stays.
+/// Returns the smallest RSS that damped Gauss-Newton steps with numeric derivatives find from the values of `graph`.
+/// Fixed nodes stay.
 template <class Pose>
 double leastRss(PoseGraph<Pose> graph, bool quaternion = false) {
   constexpr double h = 1e-6;

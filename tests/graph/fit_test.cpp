@@ -1,4 +1,4 @@
-// What the fit finds, against answers by hand and against an independent RSS.
+// Results of the fit, against answers by hand and against an independent RSS.
 #include "graph/graph_command.hpp"
 #include "graph/oracle.hpp"
 
@@ -121,8 +121,8 @@ TEST(GraphFit, SaysWhenGaussNewtonFellBack) {
       << output;
 }
 
-/// The RSS of the command is that of the values it writes, and no number of them can be moved to make it
-/// smaller.
+/// Checks that the RSS of the command is that of the written values, and that moving any number of them does not make
+/// it smaller.
 template <class Pose>
 void expectOptimal(std::vector<std::string> options, bool quaternion) {
   options.insert(options.end(), {"--init", "file"});

@@ -12,7 +12,7 @@ using testing::runIn;
 using testing::simulateGraph;
 using testing::TemporaryFolder;
 
-/// A map of which some landmarks are fixed and no pose is. Its start is some way off, as a whole and by itself.
+/// A map with some fixed landmarks and no fixed pose. Its start is off, as a whole and in each pose.
 template <class Pose>
 PoseGraph<Pose> knownLandmarks(int fixed, std::uint64_t seed, double way) {
   PoseGraph<Pose> graph = simulateGraph<Pose>(12, 0.02, seed);
@@ -56,7 +56,8 @@ TEST(GraphFixedLandmarks, OneInSpace) { expectTheMinimum<Pose3>(1); }
 TEST(GraphFixedLandmarks, TwoInSpace) { expectTheMinimum<Pose3>(2); }
 TEST(GraphFixedLandmarks, ThreeInSpace) { expectTheMinimum<Pose3>(3); }
 
-/// One pose that sees two landmarks at (1, 1) and (3, 1) as 2.1 apart, each with information 100: turned rightly it has the error 0.05 twice.
+/// One pose sees two landmarks at (1, 1) and (3, 1) as 2.1 apart, each with information 100. At the right rotation, the
+/// error 0.05 occurs twice.
 const std::string alone =
     "FIX 2 3\nVERTEX_SE2 0 0.1 0 2\nVERTEX_XY 2 1 1\nVERTEX_XY 3 3 1\n"
     "EDGE_SE2_XY 0 2 1 1 100 0 100\nEDGE_SE2_XY 0 3 3.1 1 100 0 100\n";

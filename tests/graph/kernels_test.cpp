@@ -22,7 +22,7 @@ class KernelsOfCommands {
   ~KernelsOfCommands() { ::unsetenv("SLOM_KERNELS"); }
 };
 
-/// Erases what may differ between two equal runs, at any depth.
+/// Erases values that may differ between two equal runs, at any depth.
 void eraseTimes(Json& json) {
   if (json.is_object()) {
     for (const char* key : {"seconds", "peak_memory_mb", "phases"}) json.erase(key);

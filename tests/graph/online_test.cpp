@@ -17,7 +17,7 @@ using testing::simulateGraph;
 using testing::TemporaryFolder;
 using testing::unit3;
 
-/// A ring whose values mean nothing, with its vertices in falling order.
+/// Returns a ring with meaningless values, and its vertices in descending order.
 template <class Pose>
 std::string shuffledRing(int count, std::uint64_t seed) {
   const std::string text = io::toG2o(scrambled(simulateGraph<Pose>(count, 0.02, seed)));

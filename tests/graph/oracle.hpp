@@ -18,7 +18,7 @@ inline Eigen::Isometry3d transform(const Pose3& pose) {
   return T;
 }
 
-/// What an edge's error is made of: translation and rotation of z^-1 (a^-1 b).
+/// Returns the error of an edge: translation and rotation of z^-1 (a^-1 b).
 inline Eigen::Vector3d errorOf(const Eigen::Isometry2d& T, bool) {
   const Eigen::Rotation2Dd R(T.linear());
   return {T.translation()[0], T.translation()[1], R.smallestAngle()};
@@ -51,7 +51,7 @@ double rssOf(const PoseGraph<Pose>& graph, bool quaternion = false) {
   return rss;
 }
 
-/// The largest relative decrease of the RSS when one number of one vertex that is not fixed moves by `step`.
+/// Returns the largest relative decrease of the RSS if one number of a free vertex moves by `step`.
 template <class Pose>
 double possibleDecrease(PoseGraph<Pose> graph, double step, bool quaternion = false) {
   const double rss = rssOf(graph, quaternion);

@@ -16,8 +16,8 @@ using testing::TemporaryFolder;
 using testing::unit3;
 using testing::unit6;
 
-/// A map without anything fixed, but with priors of some poses, in space of sensors, and with sightings by sensors; in the plane also
-/// bearings and priors of positions. `priors` is the number of whole poses that are known.
+/// A map without fixed nodes, but with priors of some poses. In space it has priors of sensors and sightings by
+/// sensors, in the plane bearings and priors of positions. `priors` is the number of known whole poses.
 template <class Pose>
 PoseGraph<Pose> withPriors(int priors, int positions, std::uint64_t seed) {
   PoseGraph<Pose> graph = simulateGraph<Pose>(9, 0.02, seed);
@@ -92,7 +92,8 @@ TEST(GraphPriors, OfSensorsInSpace) { expectTheMinimum<Pose3>(3, 0); }
 TEST(GraphPriors, OfSensorsInSpaceByQuaternions) { expectTheMinimum<Pose3>(2, 0, true); }
 
 TEST(GraphPriors, ByHand) {
-  // Poses 1 apart, measured at x = 5 and 7, all with information 100: at 5.5 and 6.5 minus 1/6 of the misfit of 1 each; 3 errors of 1/3.
+  // Poses 1 apart are measured at x = 5 and 7, all with information 100. They are at 5.5 and 6.5 minus 1/6 of the
+  // misfit of 1 each; there are 3 errors of 1/3.
   const std::string content =
       "EDGE_SE2_PRIOR 1 5 6 0 100 0 0 100 0 100\nEDGE_PRIOR_SE2 2 7 6 0 100 0 0 100 0 100\n"
       "EDGE_SE2 1 2 1 0 0 100 0 0 100 0 100\n";
@@ -103,7 +104,8 @@ TEST(GraphPriors, ByHand) {
   EXPECT_NEAR(graph.poses[1].value.pos[1], 6, 1e-9);
 }
 
-/// A sensor 1 in front of the robot and turned by a quarter about z is seen at (5, 6, 7) with that turn: the robot is at (4, 6, 7).
+/// A sensor is 1 in front of the robot and turned by a quarter about z. It is seen at (5, 6, 7) with that rotation, so
+/// the robot is at (4, 6, 7).
 TEST(GraphPriors, TheSensorSitsOnTheRobot) {
   const std::string content =
       "PARAMS_SE3OFFSET 4 1 0 0 0 0 0.70710678118654752 0.70710678118654752\n"

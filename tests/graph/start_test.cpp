@@ -1,4 +1,4 @@
-// Start values and what is fixed.
+// Start values, and fixed nodes.
 #include <cmath>
 #include <map>
 #include <random>
@@ -73,7 +73,7 @@ TEST(GraphStart, OdometryIsTheChainEvenWhereThereIsAShortCut) {
   EXPECT_NEAR(fitted(weighted, {"--init", "spanning-tree"})["initial_rss"].get<double>(), 9, 1e-12);
 }
 
-/// The lines of the report that say what is fixed and where the fit starts.
+/// Returns the lines of the report about what is fixed and where the fit starts.
 std::string fixedLine(const std::string& content, const std::vector<std::string>& options = {}) {
   const TemporaryFolder folder;
   const std::string output = runIn(folder, content, options).output;

@@ -1,4 +1,4 @@
-// What the report says of lines that it skips.
+// Messages of the report about skipped lines.
 #include "graph/graph_command.hpp"
 
 namespace slom::app::graph {

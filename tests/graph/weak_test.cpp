@@ -7,7 +7,7 @@ namespace {
 using testing::Json;
 using testing::TemporaryFolder;
 
-/// A ring whose edges say nothing of headings: their information ends with a 0.
+/// A ring whose edges contain no information about headings: their information ends with a 0.
 std::string withoutHeadings(int poses, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise;

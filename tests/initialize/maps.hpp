@@ -1,4 +1,4 @@
-// Maps whose truth is known.
+// Maps with known truth.
 #pragma once
 
 #include <cmath>
@@ -64,7 +64,7 @@ Map<Pose> ring(int count, double noise, std::uint64_t seed) {
   return map;
 }
 
-/// The same map with meaningless values of all nodes that are not fixed.
+/// Returns the same map with meaningless values for all nodes that are not fixed.
 template <class M>
 M scrambled(M map) {
   std::mt19937_64 random(99);

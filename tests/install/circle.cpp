@@ -1,4 +1,4 @@
-// Fits a circle to points on a known one and checks what comes out: the consumer's program for the estimator.
+// Fits a circle to points of a known circle and checks the result: the consumer's program for the estimator.
 
 #include <cmath>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Files of BAL: what is read and written again is the same.
+// Files of BAL: a scene that is read and written again stays the same.
 #include <gtest/gtest.h>
 
 #include <slom/io/bal.hpp>

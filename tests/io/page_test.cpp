@@ -1,4 +1,4 @@
-// The code that docs/graph.md shows: a file of g2o is read, fitted and written.
+// The code of docs/graph.md: reading, fitting and writing a file of g2o.
 #include <fstream>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What is read of a file with given content.
+// Results of reading a file with given content.
 #pragma once
 
 #include <string>

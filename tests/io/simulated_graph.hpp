@@ -1,4 +1,4 @@
-// A pose graph whose truth is known.
+// A pose graph with known truth.
 #pragma once
 
 #include <random>

@@ -42,7 +42,7 @@ void expectSameAfterToro(const PoseGraph<Pose>& graph) {
 TEST(Toro, WhatWasWrittenInThePlane) { expectSameAfterToro(withoutLandmarks<Pose2>()); }
 TEST(Toro, WhatWasWrittenInSpace) { expectSameAfterToro(withoutLandmarks<Pose3>()); }
 
-/// Where yaw and roll turn about one axis, and near there.
+/// Rotations for which yaw and roll turn about one axis, and rotations near them.
 TEST(Toro, RotationsAtAPitchOfARightAngle) {
   using SO3 = mtk::SO3<>;
   using vec3 = mtk::vect<3>;

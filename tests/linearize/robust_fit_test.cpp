@@ -1,4 +1,4 @@
-// Losses in the fit: what the solver gets, where it ends, what the tables and the report say.
+// Losses in the fit: the input of the solver, the end of the fit, the tables and the report.
 #include <algorithm>
 #include <limits>
 #include <sstream>
@@ -26,8 +26,8 @@ SLOM_IMPLEMENT_MEASUREMENT(Position, ret) {
   ret -= z;
 }
 
-/// Residuals of three components with full covariances, from small to large, every third without a loss; solved by the
-/// dense solver, whose system can be looked at.
+/// Residuals of three components with full covariances, from small to large, every third without a loss. The dense
+/// solver solves them, because its system can be inspected.
 struct Mixed {
   slom::Estimator est;
   slom::DenseQR* solver;
@@ -136,8 +136,9 @@ TEST(RobustFit, IsTheFixedPointOfReweightedLeastSquares) {
       {slom::Barron(0.5, 2), [](Real t) -> Real { return std::pow(1 + t / 1.5L, -0.75L); }},
   };
   const std::vector<Point> points = linePoints(20);
-  // Gauss-Newton alone, which looks at no RSS, reaches the optimum to roundoff. The others take only steps that make the
-  // RSS smaller: they end where its roundoff hides the difference, some 0.025 sqrt(4000 * 1e-16) from it.
+  // Only Gauss-Newton, which does not look at the RSS, reaches the optimum to roundoff. The others take only steps that
+  // decrease the RSS. They end where its roundoff hides the difference, at a distance of about 0.025 sqrt(4000 *
+  // 1e-16).
   slom::Options options;
   options.fall_back = false;
   options.gradient_tolerance = 0;

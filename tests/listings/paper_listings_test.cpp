@@ -1,8 +1,7 @@
 // The listings of "Tutorial on Quick and Easy Model Fitting Using the SLoM Framework", as literally as C++ allows.
-// Differences from the published text: `scalar` of lines 48-49 is spelled `Scalar` as in line 5; the gravity listing
-// (line 38) rotates by the orientation, since an acceleration is a direction and not a point; the camera model, data
-// and start values that the paper leaves out are simulated here.
-// The listings stand as they are published.
+// There are three differences from the published text. `scalar` of lines 48-49 is spelled `Scalar` as in line 5. The
+// gravity listing (line 38) rotates by the orientation, because an acceleration is a direction, not a point. The camera
+// model, data and start values that the paper omits are simulated here. The listings are formatted as published.
 // clang-format off
 #include <slom/slom.hpp>
 

@@ -1,4 +1,4 @@
-// A small problem for each kind, exact data, starts off the truth: the truth is found.
+// A small problem for each kind, with exact data and starts off the truth. The fit finds the truth.
 #include "measurements/kind.hpp"
 
 namespace slom::testing {
@@ -17,7 +17,7 @@ template <class T>
 T perturbed(const T& x, Random& random, double size) {
   return mtk::moved(x, random.vector<mtk::tangent_t<T>>(size));
 }
-/// Inserts each value, off by up to `size` but for the first `fixed` of them.
+/// Inserts each value, off by up to `size` except for the first `fixed` of them.
 template <class T>
 std::vector<VarID<T>> insert(Estimator& est, const std::vector<T>& truth, std::size_t fixed, double size) {
   Random random(51);

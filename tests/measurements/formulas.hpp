@@ -66,7 +66,7 @@ inline LongVector rotationResidual(const mtk::SO2<Real>& a, const mtk::SO2<Real>
   return column(wrapped(b.angle() - a.angle() - z.angle()));
 }
 
-/// Arcs from the direction z to v (not zero), along the axes that mtk::S2 gives z.
+/// Returns arcs from the direction z to v (not zero), along the axes that mtk::S2 gives z.
 inline LongVector directionResidual(const Long3& v, const mtk::S2<Real>& z) {
   return mtk::difference(mtk::S2<Real>(v), z);
 }

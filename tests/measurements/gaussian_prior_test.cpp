@@ -1,4 +1,4 @@
-// GaussianPrior: what it says is what the measurements said that it was made of; its place in messages and tables.
+// GaussianPrior: its information equals that of the measurements it was made of. Also its place in messages and tables.
 #include <functional>
 
 #include <Eigen/QR>
@@ -13,7 +13,8 @@
 namespace slom::testing {
 namespace {
 
-/// Poses that are measured against each other and against points; the first two poses and the first point are to be forgotten.
+/// Poses that are measured against each other and against points. The first two poses and the first point are
+/// marginalised.
 struct Map {
   Estimator est;
   DenseQR* solver = new DenseQR;

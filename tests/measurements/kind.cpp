@@ -5,8 +5,8 @@
 namespace slom::testing {
 namespace {
 
-/// The last `count` rows of a residual are a rotation vector. Where it jumps at half a turn: the other one
-/// that means the same rotation, if it is closer to that of `base`.
+/// Makes a residual continuous. Its last `count` rows are a rotation vector, which may jump at half a turn. If the
+/// other vector of the same rotation is closer to that of `base`, takes that one.
 void continueRotation(LongVector& residual, const LongVector& base, int count) {
   const LongVector v = residual.tail(count);
   const Real angle = v.norm(), turn = 2 * std::acos(Real(-1));
@@ -15,7 +15,8 @@ void continueRotation(LongVector& residual, const LongVector& base, int count) {
   if ((other - base.tail(count)).norm() < (v - base.tail(count)).norm()) residual.tail(count) = other;
 }
 
-/// Derivatives of the formula, where it is `base`, by central differences of order 6: column i for unknown i.
+/// Returns derivatives of the formula, whose value is `base`, by central differences of order 6: column i for unknown
+/// i.
 Eigen::MatrixXd differences(const FormulaAt& formula, const LongVector& base, int unknowns, Real step,
                             int angles) {
   Eigen::MatrixXd J(base.size(), unknowns);

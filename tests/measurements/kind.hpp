@@ -72,11 +72,12 @@ struct Alone {
   double size = 0;  // size of the terms of the residual: rounding is relative to it
 };
 
-/// A formula as a function of one of its unknowns, which is moved by d; without a move for unknown = -1.
+/// A formula as a function of one of its unknowns, which is moved by d. unknown = -1: nothing moves.
 using FormulaAt = std::function<LongVector(int unknown, Real d)>;
 
-/// `sizes` are those of the datum and of the unknowns. Derivatives of the formula are differences with steps of `step`;
-/// the last `angles` entries of the residual are a rotation vector, which may jump at half a turn.
+/// Compares a measurement with a formula. `sizes` are those of the datum and of the unknowns. Derivatives of the
+/// formula are differences with steps of `step`. The last `angles` entries of the residual are a rotation vector, which
+/// may jump at half a turn.
 void expectFormula(Alone& measurement, const FormulaAt& formula, const std::vector<double>& sizes_of_datum,
                    const std::vector<double>& sizes_of_unknowns, int angles, Real step);
 

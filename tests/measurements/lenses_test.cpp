@@ -10,8 +10,8 @@ const OpenCv5Intrinsics<> kOpenCv5(700, 710, 320, 240, -0.3, 0.12, 1e-3, -2e-3, 
 const FisheyeIntrinsics<> kFisheye(300, 310, 320, 240, 0.05, -0.01, 3e-3, -4e-4);
 const SnavelyIntrinsics<> kSnavely(600, -0.1, 0.02);
 
-/// Points in a camera's frame that look forward: on the axis, next to it at all scales, anywhere. `forward`
-/// is 1 or -1.
+/// Returns points in a camera's frame in the viewing direction: on the axis, next to it at all scales, and elsewhere.
+/// `forward` is 1 or -1.
 std::vector<Vec3> points(double forward) {
   Random random(31);
   std::vector<Vec3> result;

@@ -1,5 +1,5 @@
-// The obvious program for a pose graph reaches the published chi-square of g2o files, whose information
-// matrices are in the frame of the measurement.
+// A plain program for a pose graph reaches the published chi-square of g2o files. Their information matrices are in the
+// frame of the measurement.
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -33,8 +33,8 @@ SE3 readSpacePose(std::istream& is) {
   return {SO3(qw, qx, qy, qz), Vec3(x, y, z)};
 }
 
-/// Fits the file with the first pose fixed, from its vertices, or from the edges between i and i + 1 where it
-/// has none.
+/// Fits the file with the first pose fixed. Starts from its vertices; without vertices, from the edges between i and i
+/// + 1.
 template <class Pose>
 double fittedRss(const std::filesystem::path& path, const std::string& vertex, const std::string& edge,
                  Pose (*read)(std::istream&)) {

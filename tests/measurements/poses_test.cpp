@@ -5,7 +5,7 @@
 namespace slom::testing {
 namespace {
 
-/// Turns from a datum to its prediction: none, tiny, random, close to half a turn; then everything at the
+/// Number of rotations from a datum to its prediction: none, tiny, random, close to half a turn; then everything at the
 /// origin.
 constexpr int kTurns = 9;
 template <class R>
@@ -209,7 +209,7 @@ TEST(Prior, OfCompounds) {
       rigs);
 }
 
-/// A manifold of the user's own, over doubles alone.
+/// A user's own manifold, over doubles only.
 struct Heading {
   using scalar = double;
   static constexpr int DOF = 1;

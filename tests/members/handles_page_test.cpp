@@ -1,4 +1,5 @@
-// The code of docs/fitting.md and docs/manifolds.md on handles, names, what functions keep, errors, and exp and log, as it stands there.
+// The code of docs/fitting.md and docs/manifolds.md, unchanged: handles, names, captures of functions, errors, exp and
+// log.
 #include <array>
 #include <memory>
 #include <string>

@@ -309,7 +309,7 @@ TEST(Bounds, OfAVariableWithOneComponentNeedNoName) {
   check(Eigen::VectorXd(Eigen::VectorXd::Ones(1)), Eigen::VectorXd(3 * Eigen::VectorXd::Ones(1)));
 }
 
-/// A component that is at its bound is a component: what getN counts does not depend on what was linearised last.
+/// A component at its bound is a component: the count of getN does not depend on the last linearisation.
 TEST(Bounds, DoNotChangeTheNumberOfUnknowns) {
   slom::Estimator est;
   const auto x = est.insertRV(vec2(1, 1), "x");

@@ -1,5 +1,5 @@
 #pragma once
-// How often the program has asked for memory, to see what insertion costs.
+// Counter of memory allocations, which shows the cost of insertion.
 
 #include <cstddef>
 

@@ -19,7 +19,7 @@ using Vec3 = mtk::vect<3>;
 
 MTK_BUILD_MANIFOLD(Sensor, ((SE3, pose))((mtk::vect<2>, gain))((S2, axis))((mtk::SO2<>, angle)))
 
-/// A rotation that is moved on the left, whose [-] takes doubles alone.
+/// A rotation that is moved on the left, and whose [-] takes only doubles.
 struct LeftRotation {
   using scalar = double;
   static constexpr int DOF = 3;

@@ -1,4 +1,4 @@
-// Callables as measurements: what may be passed, where derivatives come from, and that all ways agree.
+// Callables as measurements: accepted arguments, sources of derivatives, and agreement of all ways.
 #include <array>
 #include <limits>
 #include <random>
@@ -41,7 +41,7 @@ class Random {
   std::normal_distribution<double> normal_;
 };
 
-/// Gradient and RSS after one linearisation: what the solver sees.
+/// Gradient and RSS after one linearisation, as sent to the solver.
 struct Seen {
   double rss;
   Eigen::MatrixXd information;

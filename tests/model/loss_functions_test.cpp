@@ -16,8 +16,8 @@ using Real = long double;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A loss and rho as its authors write it, of the residual x = sqrt(s) in units of the scale, for c = 1; `terms` is the
-/// size of what is subtracted there, with the power's condition: rho has the roundoff of that.
+/// A loss, and rho as its authors write it, as a function of the residual x = sqrt(s) in units of the scale, for c = 1.
+/// `terms` is the size of the subtracted terms, including the condition of powers. rho has the roundoff of these terms.
 struct Case {
   slom::Loss loss;
   std::function<Real(Real)> rho;

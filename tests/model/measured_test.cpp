@@ -1,4 +1,4 @@
-// What may be marked as the datum.
+// Types that can be marked as the datum.
 #include <type_traits>
 
 #include <Eigen/Dense>

@@ -19,7 +19,7 @@ typedef mtk::vect<3> vec3;
 SLOM_BUILD_MEASUREMENT(Position, 3, ((vec3, x)), ((vec3, z)))
 SLOM_IMPLEMENT_MEASUREMENT(Position, ret) { ret = *x - z; }
 
-/// W as the library applies it: the whitened residuals of unit residuals.
+/// Returns W as the library applies it: the whitened residuals of unit residuals.
 template <class N>
 Matrix3d whiteningOf(const N& noise) {
   Matrix3d W;
@@ -113,7 +113,7 @@ std::string refusal(const N& noise) {
   return "accepted";
 }
 
-/// Matrices of all sizes and any number of columns; numbers beside them stay as they are.
+/// Matrices of all sizes with any number of columns. Neighbouring numbers in memory stay unchanged.
 TEST(Noise, WhitenMultipliesByW) {
   std::srand(7);
   for (int n = 1; n <= 9; ++n) {

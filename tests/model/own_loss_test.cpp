@@ -1,4 +1,4 @@
-// A function of the user's as a loss.
+// A user's own function as a loss.
 #include <cmath>
 #include <sstream>
 

@@ -36,7 +36,7 @@ struct Heading {
   friend std::ostream& operator<<(std::ostream& os, const Heading& h) { return os << h.degrees; }
 };
 
-/// One whose [-] has the wrong sign: the harness must notice.
+/// A heading whose [-] has the wrong sign: the harness must detect it.
 struct Wrong : Heading {
   void boxminus(mtk::vectview<double, 1> out, const Wrong& y) const {
     out[0] = std::remainder(y.degrees - degrees, 360.0) * M_PI / 180;

@@ -1,5 +1,5 @@
-// Dual numbers and packs: derivatives of all functions and manifold operations against central differences in long double,
-// at random and at hard points, and several lanes at once against one at a time.
+// Dual numbers and packs: derivatives of all functions and manifold operations against central differences in long
+// double, at random and at hard points. Several lanes at once agree with one at a time.
 #include <cmath>
 #include <limits>
 #include <random>

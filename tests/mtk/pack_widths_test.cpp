@@ -1,4 +1,5 @@
-// Packs of every width do in each lane what a number does, and sine and cosine together are what each is alone.
+// Packs of every width give in each lane the result of a single number. Sine and cosine computed together equal the
+// separate results.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -17,7 +18,7 @@ struct Sample {
   std::array<double, W> lane;
 };
 
-/// Of all magnitudes and both signs; every fifth is one of few values, so that some are equal.
+/// Returns numbers of all magnitudes and both signs. Every fifth is one of a few values, so that some are equal.
 template <int W>
 Sample<W> sample(std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -105,7 +106,8 @@ TEST(Packs, OfEveryWidthDoInEachLaneWhatANumberDoes) {
   checkOperations<33>();
 }
 
-/// Columns of which one number has some, the other others: all derivatives of sums, products and quotients, whatever the sets have in common.
+/// Two numbers with different sets of derivative columns: all derivatives of sums, products and quotients, whatever the
+/// sets share.
 template <std::uint64_t A, std::uint64_t B>
 void checkColumns() {
   using D = mtk::SparseDual<double, A>;

@@ -13,7 +13,7 @@ namespace {
 
 using mtk::testing::Random;
 
-/// The numbers of the first version. They must never change, or stored data could not be made again.
+/// The numbers of the first version. They must never change, because stored data are made from them.
 TEST(Random, UniformNumbersAreFixedByTheSeed) {
   Random random(1, 0);
   EXPECT_EQ(random.uniform(), 0x1.8451f002ab5d8p-1);
@@ -30,8 +30,8 @@ TEST(Random, SeedsAndStreamsDiffer) {
   EXPECT_NE(base, Random(std::uint64_t{1} << 32, 0).uniform());
 }
 
-/// Kolmogorov-Smirnov distance from the normal distribution, in units where 1.95 is passed once in 1000
-/// trials.
+/// Returns the Kolmogorov-Smirnov distance from the normal distribution, in units in which 1.95 is exceeded once in
+/// 1000 trials.
 double distanceFromNormal(std::vector<double> samples) {
   std::sort(samples.begin(), samples.end());
   const double n = static_cast<double>(samples.size());

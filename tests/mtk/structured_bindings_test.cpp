@@ -1,4 +1,4 @@
-// Structured bindings of vectors and of what derives from them.
+// Structured bindings of vectors and of types derived from them.
 #include <tuple>
 #include <type_traits>
 

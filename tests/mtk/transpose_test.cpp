@@ -1,4 +1,4 @@
-// Between arrays and packs: every entry arrives, and nothing is written beside it.
+// Transposition between arrays and packs: every entry arrives, and nothing outside is written.
 #include <array>
 #include <utility>
 #include <vector>

@@ -1,4 +1,4 @@
-// What the reader of NIST's files says about files that are not as they should be.
+// Messages of the reader of NIST's files about malformed files.
 #include <gtest/gtest.h>
 
 #include "support/nist/problem.hpp"
@@ -31,7 +31,7 @@ std::string with(const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
 }
 
-/// What is said about a file of this name and content, without its folder.
+/// Returns the message about a file of this name and content, without its folder.
 std::string faultOf(const std::string& name, const std::string& content) {
   const TemporaryFolder folder;
   slom::testing::writeFile(folder / name, content);

@@ -20,7 +20,7 @@ namespace {
 using Pose = mtk::trafo<mtk::SO2<>>;
 using Point = mtk::vect<2>;
 
-/// A robot in the plane: odometry, and relative poses to where it was some steps ago.
+/// A robot in the plane: odometry, and relative poses to poses some steps ago.
 class Robot {
  public:
   explicit Robot(unsigned seed) : random_(seed) {
@@ -57,7 +57,7 @@ class Robot {
 
  private:
   static constexpr double kSigma = 0.05;
-  /// A pose with noise, which is the same in all directions.
+  /// Returns a pose with isotropic noise.
   Pose measured(const Pose& pose) {
     std::normal_distribution<double> normal(0, kSigma);
     const double x = normal(random_), y = normal(random_), angle = normal(random_);

@@ -1,4 +1,4 @@
-// Closures of loops that are wrong, online: with a loss whose cost is bounded they stop pulling when others contradict them.
+// False loop closures, online. With a bounded loss, they stop pulling when others contradict them.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -52,7 +52,8 @@ std::vector<Point> fed(const Graph& graph, const Loss& loss, const UpdateOptions
   return positions;
 }
 
-/// The first poses of a graph, and closures between any of them that are up to 2 m and half a radian off, so many for each hundred true ones.
+/// Returns the first poses of a graph with false closures. These connect any two poses and are off by up to 2 m and 0.5
+/// rad. There are `percent` of them for each 100 true ones.
 Graph withFalseClosures(Graph graph, std::size_t poses, int percent, unsigned seed) {
   graph.poses.resize(std::min(poses, graph.poses.size()));
   graph.poses[0].fixed = true;
@@ -124,8 +125,8 @@ TEST(FalseClosures, LeaveTheMapOfIntelAsItIs) {
     EXPECT_LT(distance(fed(withFalseClosures(all, 10'000, percent, 11), Tukey(5)), clean), 0.01) << percent;
 }
 
-/// Odometry drifts by more than the loss lets through: true closures, too, are refused, unless they are tried. (The losses themselves move
-/// the map by half a metre.)
+/// Odometry drifts by more than the loss tolerates, so even true closures are refused unless they are tried. (The
+/// losses themselves move the map by 0.5 m.)
 TEST(FalseClosures, HardlyMoveTheMapOfManhattan) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("posegraph/manhattan.g2o");
   SLOM_SKIP_WITH_SANITIZERS();

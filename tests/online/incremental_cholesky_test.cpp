@@ -1,4 +1,5 @@
-// The factor that follows its matrix is, bit by bit, the one computed from scratch; its inverse is that of the dense matrix.
+// The factor that follows its matrix equals, bit by bit, the one computed from scratch. Its inverse is that of the
+// dense matrix.
 #include "online/incremental_cholesky.hpp"
 
 #include <algorithm>
@@ -120,7 +121,7 @@ TEST(IncrementalCholesky, IsTheFactorFromScratchBitByBitAndSolves) {
   }
 }
 
-/// A chain that grows: what it knows of its far end changes less and less.
+/// A growing chain: the covariance at its far end changes less and less.
 TEST(IncrementalCholesky, InvertsAgainWhatHasChanged) {
   IncrementalCholesky factor;
   const auto insert = [&](const std::vector<int>& blocks, double weight) {

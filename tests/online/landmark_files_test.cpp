@@ -12,8 +12,8 @@
 namespace slom::testing {
 namespace {
 
-/// Feeds the map pose by pose; each update must converge, and each `compared`th one is compared with the batch fit. Returns the final
-/// RSS.
+/// Feeds the map pose by pose. Each update must converge, and every `compared`th one is compared with the batch fit.
+/// Returns the final RSS.
 double feed(const Map<Pose2>& graph, int compared) {
   Estimator est;
   initialize::GrowingMap<Map<Pose2>> map(est, graph);

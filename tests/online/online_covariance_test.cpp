@@ -1,4 +1,4 @@
-// Covariances between updates: those of the batch fit, and refused where there are none.
+// Covariances between updates: equal to those of the batch fit, and refused if there are none.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -46,7 +46,8 @@ TEST(OnlineFit, HasTheCovariancesOfALinearProblemToTheLastDigits) {
   EXPECT_LT((est.updatedCovariance(chain[7]) - est.covariance(chain[7])).norm(), 1e-12);
 }
 
-/// A walk with closures, whose marginals are asked for after each step. Returns the largest norm of an error, relative to the tolerance and 1e-12.
+/// Computes the marginals of a walk with closures after each step. Returns the largest norm of an error, relative to
+/// the tolerance and 1e-12.
 double largestErrorOfMarginals(double tolerance) {
   Estimator est;
   std::vector<VarID<Point>> points{est.insertRV(Point(0, 0), false, "origin")};
@@ -89,7 +90,8 @@ TEST(OnlineFit, HasTheMarginalsOfALinearProblemWithinTheTolerance) {
   EXPECT_GT(with_tolerance, 0.01);  // something was left as it was
 }
 
-/// Levelling lines whose heights no measurement connects with the ground, or one that is 1 / `least` as exact as the best.
+/// Returns levelling lines whose heights are not connected with the ground, or one connection that is 1 / `least` as
+/// exact as the best.
 Estimator freeNet(int seed, int points, double least, std::vector<VarID<double>>& heights,
                   const std::function<void(Estimator&)>& after_each) {
   std::mt19937 random(static_cast<std::mt19937::result_type>(seed));

@@ -22,7 +22,7 @@ namespace {
 using Pose = mtk::trafo<mtk::SO2<>>;
 using Point = mtk::vect<2>;
 
-/// A robot in the plane that walks about, sees landmarks and places where it has been; anything may be changed at any time.
+/// A robot in the plane that walks about and sees landmarks and earlier places. Anything may be changed at any time.
 class Walk {
  public:
   explicit Walk(unsigned seed, Loss loss = {}) : random_(seed), loss_(std::move(loss)) {
@@ -115,7 +115,8 @@ class Walk {
 
   double uniform() { return std::uniform_real_distribution<double>()(random_); }
 
-  /// Of pairs of poses, as updates have them, beside those of the batch; relative to the standard deviations.
+  /// Compares covariances of pairs of poses after updates with those of the batch fit, relative to the standard
+  /// deviations.
   void expectCovariances(double most) {
     for (int k = 0; k < 4; ++k) {
       const auto &a = poses_[index(poses_.size())],
@@ -164,12 +165,13 @@ TEST(OnlineFit, IsAtTheBatchOptimumAfterAnyOperations) {
   for (unsigned seed = 0; seed < 10; ++seed) expectOptimumAfterAnyOperations(seed, {}, 2e-6);
 }
 
-/// Beside the kink of Huber's loss the curvature is overestimated, so that a step promises less than all further ones together bring.
+/// Next to the kink of Huber's loss, the curvature is overestimated. A step then predicts less decrease than all
+/// further steps together achieve.
 TEST(OnlineFit, IsNearTheBatchOptimumWithLosses) {
   for (unsigned seed = 0; seed < 5; ++seed) expectOptimumAfterAnyOperations(seed, Huber(3), 1e-5);
 }
 
-/// A window that forgets: the priors that marginalisation leaves come and go.
+/// A window that forgets: priors of marginalisation appear and disappear.
 TEST(OnlineFit, FollowsAWindow) {
   Estimator est;
   FixedLag window({.variables = 20});
@@ -204,7 +206,7 @@ TEST(OnlineFit, FollowsAWindow) {
   EXPECT_LT(est.getN(), 80);
 }
 
-/// What moves does not grow with the problem where what is new does not reach far.
+/// If new measurements have only local effect, the number of moved variables does not grow with the problem.
 TEST(OnlineFit, DoesNoMoreAlongALongerChain) {
   Estimator est;
   std::mt19937 random(4);
@@ -283,7 +285,7 @@ TEST(OnlineFit, GoesOnAfterAnError) {
   EXPECT_LT((*b - Point(16. / 3, 19. / 3)).norm(), 1e-3);
 }
 
-/// What a huge residual has swallowed of the RSS is there again when it has gone, and the tolerance is one of the right number.
+/// A huge residual swallows digits of the RSS. After its removal, the RSS and the tolerance are right again.
 TEST(OnlineFit, KnowsTheRssAfterHugeResiduals) {
   for (const double off : {1e4, 1e6, 1e8, 1e10, 1e14}) {
     Estimator est;
@@ -323,7 +325,7 @@ TEST(OnlineFit, LeavesBoundsToTheBatchFit) {
   EXPECT_NEAR(summary.rss, 1, 1e-9);
 }
 
-/// What nothing determines stays where it is beside a bound, too, and where steps go uphill.
+/// Undetermined unknowns stay where they are, even beside a bound and if steps go uphill.
 TEST(OnlineFit, MovesTheOthersWhereOptimizeTakesOver) {
   for (const bool is_bounded : {false, true}) {
     Estimator est;
@@ -346,7 +348,7 @@ TEST(OnlineFit, MovesTheOthersWhereOptimizeTakesOver) {
   }
 }
 
-/// With odometry alone the RSS consists of rounding errors: nothing can be gained, so nothing moves.
+/// With odometry alone, the RSS consists of rounding errors. Nothing can be gained, so nothing moves.
 TEST(OnlineFit, LeavesRoundingErrorsAlone) {
   Estimator est;
   std::mt19937 random(5);
@@ -369,7 +371,7 @@ TEST(OnlineFit, LeavesRoundingErrorsAlone) {
   EXPECT_NEAR(*x, 1.5e-9, 1e-12);
 }
 
-/// A measurement that is nearly as exact as the last digit does not hide what the others say.
+/// A measurement that is nearly exact to the last digit does not hide the information of the others.
 TEST(OnlineFit, FitsBesideAMeasurementNearlyWithoutNoise) {
   Estimator est;
   const auto x = est.insertRV(1e8), y = est.insertRV(1e8);
@@ -395,7 +397,7 @@ TEST(OnlineFit, SaysWhatItDid) {
             "not determined by measurements: a.y\n");
 }
 
-/// A robot that drives around circles and sees where it has been, once in each: each closure takes several steps.
+/// A robot that drives in circles and sees one earlier place in each circle. Each closure takes several steps.
 struct Circles {
   explicit Circles(const UpdateOptions& options) {
     std::mt19937 random(3);

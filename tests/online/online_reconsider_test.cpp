@@ -1,4 +1,4 @@
-// Trials of measurements that their losses refuse, where a call has no room for them: they wait, and nothing is lost.
+// Trials of refused measurements for which a call has no budget left: they wait, and nothing is lost.
 #include <sstream>
 #include <vector>
 
@@ -27,7 +27,7 @@ class Drift {
   Estimator est;
   std::vector<VarID<Pose>> poses{est.insertRV(Pose(), false, "start")};
 
-  /// By two odometers that disagree, so that the RSS is not that of the closures alone.
+  /// Adds two odometers that disagree, so that the RSS is not only that of the closures.
   void drive() {
     const auto z = [](double length) { return Pose({length, 0.03}, mtk::SO2<>(0)); };
     poses.push_back(est.insertRV(*poses.back() * z(1)));
@@ -36,7 +36,7 @@ class Drift {
                             StandardDeviation(0.14));
     }
   }
-  /// Says where pose i is.
+  /// Adds a measurement of the position of pose i.
   Closure close(int i) {
     return est.insertMeasurement(RelativePose(), poses[0], poses[std::size_t(i)],
                                  measured(Pose({double(i), 0}, mtk::SO2<>(0))), StandardDeviation(0.05),
@@ -80,7 +80,7 @@ TEST(OnlineReconsider, ATrialThatTheBudgetEndsIsTakenBackAndWaits) {
   EXPECT_NEAR(drift.poses.back()->pos.y(), 0, 0.1);
 }
 
-/// A trial goes on where the last call ended it.
+/// A trial continues where the last call ended it.
 TEST(OnlineReconsider, ATrialTakesSeveralCallsWithASmallBudget) {
   constexpr int n = 30;
   Drift drift(n);
@@ -170,7 +170,7 @@ TEST(OnlineReconsider, WhatIsRemovedOrNoLongerRefusedWaitsNoLonger) {
   EXPECT_EQ(moved.reconsidered, 0);
 }
 
-/// Only what is inserted is new, and only calls that reconsider remember it.
+/// Only inserted measurements are new, and only calls that reconsider store them.
 TEST(OnlineReconsider, TriesNoMeasurementTwice) {
   Drift drift(30);
   drift.close(30);

@@ -1,4 +1,4 @@
-// The three algorithms on classical problems, their stopping rules, and what they do when things go wrong.
+// The three algorithms on classical problems, their stopping rules, and their behaviour at faults.
 #include <gtest/gtest.h>
 
 #include <slom/slom.hpp>
@@ -121,8 +121,8 @@ void expectSolved(const Classic& problem, const slom::Algorithm& algorithm) {
   }
 }
 
-// Madsen, Nielsen and Tingleff 2004, section 3.1: f = (x + 1, x^2 / 2 + x - 1) is smallest at 0, where Gauss-Newton halves the
-// error and the sum of squares, 2, cannot show the last eight digits of x.
+// Madsen, Nielsen and Tingleff 2004, section 3.1: f = (x + 1, x^2 / 2 + x - 1) is smallest at 0. There Gauss-Newton
+// halves the error, and the sum of squares, 2, cannot show the last 8 digits of x.
 template <class Algorithm>
 void expectLastDigits(const Algorithm& algorithm) {
   slom::Estimator est;
@@ -273,7 +273,7 @@ TEST(RankDeficiency, LevenbergMarquardtGoesOn) {
   EXPECT_EQ(*unseen, Vector3d(1, 2, 3));
 }
 
-/// x cancels, but for rounding: 0.1 * 3 - 0.3 = 5.6e-17.
+/// x cancels up to rounding: 0.1 * 3 - 0.3 = 5.6e-17.
 TEST(RankDeficiency, OfAComponentWhoseDerivativeIsRounding) {
   const auto make = [](slom::Estimator& est) {
     const auto x = est.insertRV(2.0, "x");
@@ -326,7 +326,7 @@ TEST(RankDeficiency, OfAFreeGaugeNeedsNoLimit) {
       "fix a variable with fix(id) or a part of it with fix(id, \"path\"), or use LevenbergMarquardt to get one of the many solutions");
 }
 
-/// A negative base has a derivative by its exponent nowhere; one that is fixed needs none.
+/// A power with a negative base has no derivative by its exponent. A fixed exponent needs none.
 TEST(FixedComponents, NeedNoDerivative) {
   slom::Estimator est;
   const auto p = est.insertRV(mtk::vect<2>(1.5, 3), "p");

@@ -1,5 +1,4 @@
-// "Converged" is a promise: starts and data that make it hard to keep, limits of time, and steps that must
-// not move fixed components.
+// Claims of convergence: difficult starts and data, time limits, and steps that must not move fixed components.
 #include <chrono>
 #include <thread>
 
@@ -71,8 +70,8 @@ TEST(Convergence, IsClaimedOnlyWhereTheGradientVanishes) {
   EXPECT_GT(claims, 400);
 }
 
-/// Found by bench_honesty: unknowns that have run away from where residuals depend on them, and residuals that are small
-/// differences of numbers near 1e9.
+/// Cases found by bench_honesty: unknowns that left the region in which residuals depend on them, and residuals that
+/// are small differences of numbers near 1e9.
 TEST(Convergence, IsNotClaimedFarOutByLevenbergMarquardt) {
   for (const std::uint64_t seed : {7547, 9358, 11222, 13570, 13730, 14030}) {
     const classics::Problem problem = classics::randomClassic(seed);
@@ -86,7 +85,8 @@ TEST(Convergence, IsNotClaimedFarOutByLevenbergMarquardt) {
   }
 }
 
-/// x in 1 / (1 + x^2) from 1e12: no residual changes by moving it, and from x = 1 on one does. In x - x nothing ever does.
+/// x in 1 / (1 + x^2) from 1e12: moving it changes no residual there, but from x = 1 on it does. In x - x it never
+/// does.
 TEST(Convergence, TellsAnUnknownThatHasRunAwayFromOneThatCancels) {
   for (const bool runs_away : {true, false}) {
     slom::Estimator est;
@@ -105,7 +105,7 @@ TEST(Convergence, TellsAnUnknownThatHasRunAwayFromOneThatCancels) {
   }
 }
 
-/// Powell's badly scaled function from where exp(-x1) is below all digits.
+/// Powell's badly scaled function, started where exp(-x1) is below all digits.
 TEST(Convergence, IsNotWhereOneUnknownIsOutOfSight) {
   const auto start = [](slom::Estimator& est) {
     const auto x = est.insertRV(mtk::vect<2>(0, 100), "x");
@@ -130,7 +130,7 @@ TEST(Convergence, IsNotWhereOneUnknownIsOutOfSight) {
   }
 }
 
-/// A derivative with the wrong sign promises what no step keeps.
+/// A derivative with the wrong sign predicts a decrease that no step achieves.
 struct NegatedJacobian {
   double t, y;
   double operator()(const mtk::vect<2>& p) const { return p[0] * std::exp(p[1] * t) - y; }
@@ -157,7 +157,7 @@ TEST(Convergence, IsNotWhereDerivativesAreWrong) {
   }
 }
 
-/// Two measurements that contradict each other must not hide what the others say.
+/// Two contradicting measurements must not hide the information of the others.
 TEST(Convergence, IsJudgedInStandardDeviationsNotByTheWholeRss) {
   const auto rate = [](double apart, const slom::Algorithm& algorithm) {
     slom::Estimator est;
@@ -401,7 +401,7 @@ TEST(Unseen, IsNoUnknownWhoseStartIsTiny) {
   }
 }
 
-/// Columns that are the same but for 1e-7: the normal equations lose their difference, the data do not.
+/// Columns that are equal up to 1e-7. The normal equations lose their difference, but the data contain it.
 TEST(Rank, IsFoundByTheCarefulSolverWhereTheNormalEquationsLoseIt) {
   const auto make = [](slom::Estimator& est) {
     const auto x = est.insertRV(mtk::vect<2>(0, 0), "x");

@@ -1,4 +1,4 @@
-// Claims of convergence where columns of J are nearly dependent, or out of sight.
+// Claims of convergence if columns of J are nearly dependent, or out of sight.
 #include <cmath>
 #include <memory>
 #include <random>
@@ -18,7 +18,7 @@ namespace {
 using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 
-/// Twelve equations in three unknowns, whose last column is a combination of the others but for `apart`.
+/// Twelve equations in three unknowns. The last column differs by `apart` from a combination of the others.
 struct Linear {
   LongMatrix A{12, 3};
   LongVector b{12};
@@ -114,7 +114,7 @@ TEST(NearlyDependent, StandardDeviationsHold) {
   }
 }
 
-/// From where a Gaussian is flat to all digits.
+/// A start at which a Gaussian is flat to all digits.
 TEST(OutOfSight, AFlatStartIsNoOptimum) {
   for (double start = 9; start <= 27; start += 0.5) {
     slom::Estimator est;
@@ -149,8 +149,8 @@ class Watched final : public slom::ForwardingSolver {
   int& factorizations_;
 };
 
-/// Rotations of all cameras and points change nothing, and are tried before J is factorised to find out. The numbers of a lens do not turn
-/// with the world.
+/// Rotating all cameras and points changes nothing. Such motions are tried before J is factorised. The parameters of a
+/// lens do not turn with the world.
 TEST(FreeGauge, OfCamerasAndPointsIsFoundByItsMotions) {
   using Point = mtk::vect<3>;
   std::mt19937 random(4);

@@ -19,7 +19,7 @@ slom::Options graduated() {
   return options;
 }
 
-/// Least squares on the points that are not outliers.
+/// Returns the least squares line of the points that are not outliers.
 Vector2d inlierLine(const std::vector<Point>& points) {
   std::vector<Point> inliers;
   for (const Point& p : points) {

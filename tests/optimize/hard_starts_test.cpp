@@ -1,5 +1,5 @@
-// Starts far from any solution: curves whose derivatives overflow, saddles, plateaus, and places where a residual has no derivative. No fit
-// throws, and none that has not reached a minimum says that it has.
+// Starts far from any solution: curves whose derivatives overflow, saddles, plateaus, and places where a residual has
+// no derivative. No fit throws, and no fit claims a minimum that it has not reached.
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -119,7 +119,7 @@ TEST(HardStarts, ASumOfDecaysNeverConvergesAtEqualRates) {
   EXPECT_LE(saddles, 1);
 }
 
-/// The rates are to be told apart: to first order they cannot be where the fit starts.
+/// The fit must tell the rates apart. At its start they cannot be told apart to first order.
 TEST(HardStarts, EqualRatesAreAStartLikeOthers) {
   for (const double rate : {0.3, 1.0, 2.0}) {
     slom::Estimator est;
@@ -131,7 +131,7 @@ TEST(HardStarts, EqualRatesAreAStartLikeOthers) {
   }
 }
 
-/// A fit that has led to where nothing depends on a parameter any more names the parameter.
+/// If a fit ends where nothing depends on a parameter any more, the parameter is named.
 TEST(HardStarts, AFitOnAPlateauNamesWhatItLeavesFree) {
   slom::Estimator est;
   const auto p = est.insertRV(Eigen::Vector3d(2.1, -2, 9.8), "p");
@@ -179,7 +179,7 @@ TEST(HardStarts, AnExceptionLeavesTheBestValues) {
   }
 }
 
-/// An IMU that is mounted upside down starts opposite to what it measures.
+/// An IMU that is mounted upside down starts opposite to its measurements.
 TEST(HardStarts, OppositeDirectionsAreLeft) {
   for (const double off : {0.0, 1e-200, 1e-9, 1e-3}) {
     for (const auto& algorithm : allAlgorithms()) {
@@ -245,7 +245,7 @@ TEST(HardStarts, LongTurnsAreRotations) {
   EXPECT_TRUE(std::isnan(mtk::SO3<>::exp(mtk::vect<3>(infinite, 0, 0)).w()));
 }
 
-/// Differences stay within bounds, beyond which the function may not exist.
+/// Differences stay within bounds. Beyond them, the function may not exist.
 TEST(NumericDerivatives, StayWithinBounds) {
   const double infinite = std::numeric_limits<double>::infinity();
   const auto rate = [](double k) { return k < 0 || k > 3 ? std::nan("") : (k + 1.5) * (k + 1.5); };
@@ -269,7 +269,7 @@ TEST(NumericDerivatives, StayWithinBounds) {
   }
 }
 
-/// A simulator whose output has four decimals.
+/// A simulator with an output of four decimals.
 TEST(NumericDerivatives, TakeStepsOfTheUsersOwn) {
   const auto simulate = [](double a, double b, double x, double y) {
     return std::round(1e4 * a * std::exp(-b * x)) / 1e4 - y;
@@ -327,7 +327,8 @@ TEST(StatedNoise, ReportsSayWhatWasAssumed) {
 }
 
 TEST(HardStarts, AFarStartIsNoMatterOfRank) {
-  // A line whose terms have very different units. At a far start residuals are so large that their rounding errors hide what q changes.
+  // A line with terms in very different units. At a far start, residuals are so large that their rounding errors hide
+  // the effect of q.
   for (const double far : {1.0, -5.0, 1e3, 1e6, 2.02e9}) {
     for (const double unit : {1e18, 1e20, 1e21}) {
       slom::Estimator est;

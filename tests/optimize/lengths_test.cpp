@@ -1,4 +1,4 @@
-// Solvers and algorithms of a user's own that return something of another length: it is said, and nothing is lost.
+// A user's own solvers and algorithms that return vectors of a wrong length: the error says so, and nothing is lost.
 #include <memory>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// The restart of a fit: long first steps that end without full rank, a second attempt by short ones, and which of the two counts.
+// The restart of a fit: long first steps end without full rank, short steps make a second attempt, and the better one
+// counts.
 #include <algorithm>
 #include <string>
 

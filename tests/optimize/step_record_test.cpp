@@ -1,4 +1,4 @@
-// What a single step says of itself: gain, acceptance, free directions and time.
+// The record of a single step: gain, acceptance, free directions and time.
 #include <cmath>
 #include <memory>
 #include <sstream>
@@ -100,7 +100,7 @@ TEST(StepRecord, DoesNotCountThoseOfLargeProblems) {
   EXPECT_EQ(many.est.optimizeStep().free_directions, 0) << "Gauss-Newton's step shows it at no cost";
 }
 
-/// Counting between steps leaves the steps as they are, to the last bit.
+/// Counting free directions between steps leaves the steps unchanged, to the last bit.
 TEST(StepRecord, CountingDoesNotChangeTheNextStep) {
   const auto rosenbrock = [](const auto& v) { return mtk::vector(10.0 * (v[1] - v[0] * v[0]), 1.0 - v[0]); };
   vec2 counted, not_counted;

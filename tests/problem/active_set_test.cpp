@@ -1,4 +1,4 @@
-// The active set after random operations is what a plain table of the same operations says.
+// After random operations, the active set equals a plain table of the same operations.
 #include <map>
 #include <random>
 

@@ -1,5 +1,5 @@
-// Whoever follows the changes of a problem arrives where one arrives who looks at all of it: the same structure, and bit by bit the same
-// steps and fits, after any sequence of insertions, removals, fixing, bounds and moves.
+// Following the changes of a problem gives the same result as examining all of it: the same structure and, bit by bit,
+// the same steps and fits, after any sequence of insertions, removals, fixing, bounds and moves.
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -44,7 +44,7 @@ using AtPoint = slom::CallableMeasurement<At, VarID<Point>, Point>;
 using BetweenPoints = slom::CallableMeasurement<Between, VarID<Point>, VarID<Point>, Point>;
 using ScaledPoints = slom::CallableMeasurement<Scaled, VarID<Point>, VarID<double>, VarID<Point>, int>;
 
-/// A problem to which anything may happen, and what is left to happen to it.
+/// A problem with random operations, and the operations left to do.
 class Play {
  public:
   explicit Play(unsigned seed) : engine_(seed) {}

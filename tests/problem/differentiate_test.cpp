@@ -57,7 +57,7 @@ TEST(CentralDifferences, WorkFarFromTheOrigin) {
   EXPECT_LT(relativeError(p.jacobian(), Eigen::RowVector2d(-0.6, -0.8)), 3e-6);
 }
 
-/// A sine of a large argument still bends over lengths of 1. Differences of plain steps are as good as the argument is exact.
+/// A sine of a large argument still bends over lengths of 1. Differences of plain steps are as exact as the argument.
 TEST(CentralDifferences, FollowPeriodicFunctionsOfLargeArguments) {
   for (const double x : {3.0, 100.0, 1e4, 1e6 + 0.3, 1e8 + 0.7}) {
     for (const bool extrapolate : {false, true}) {

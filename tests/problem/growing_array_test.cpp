@@ -1,4 +1,4 @@
-// The array of a pool holds what a std::vector of the same values would, whatever they do when they are moved.
+// The array of a pool holds the same values as a std::vector, whatever the values do when they are moved.
 #include <cstdint>
 #include <memory>
 #include <random>

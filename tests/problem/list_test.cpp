@@ -1,4 +1,5 @@
-// Measurements over lists of variables: the same fit as typed ones, on any number of threads; handles of any type; errors.
+// Measurements over lists of variables: the same fit as typed ones, on any number of threads; handles of any type;
+// errors.
 #include <numeric>
 #include <random>
 #include <sstream>
@@ -33,7 +34,7 @@ struct Distances {
   }
 };
 
-/// The same problem twice: with run-time kinds, and with typed measurements alone.
+/// The same problem twice: with run-time kinds, and with typed measurements only.
 struct Twin {
   Estimator est;
   std::vector<VarID<SE3>> poses;

@@ -1,4 +1,4 @@
-// What docs/measurements.md shows of kinds that choose their variables at run time.
+// The code of docs/measurements.md about kinds that choose their variables at run time.
 #include <gtest/gtest.h>
 
 #include <slom/measurements.hpp>

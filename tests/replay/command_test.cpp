@@ -1,4 +1,4 @@
-// The command on files: it fits what the library fits, and refuses what it must.
+// The command on files: its fit is that of the library, and bad input is refused.
 #include <fstream>
 #include <sstream>
 

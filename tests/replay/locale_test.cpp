@@ -1,4 +1,4 @@
-// Saved problems, and what is said of a fit, are the same whatever the locale of the program.
+// Saved problems, and texts about a fit, do not depend on the locale of the program.
 #include <clocale>
 #include <cstdlib>
 #include <locale>
@@ -26,7 +26,7 @@ struct Comma : std::numpunct<char> {
   std::string do_grouping() const override { return "\3"; }
 };
 
-/// The locales of C++ and, where the system can make it, of C are those of a German program.
+/// A guard that sets the locales of C++ and, if the system can make it, of C to those of a German program.
 class German {
  public:
   German() : before_(std::locale::global(std::locale(std::locale::classic(), new Comma))) {
@@ -149,7 +149,7 @@ TEST(Locale, AFileOfAGermanProgram) {
   EXPECT_EQ(result.exit_code, 2);
 }
 
-/// Sizes that a file announces and does not have.
+/// Sizes announced by a file without the content.
 TEST(ArchiveFaults, SizesWithoutNumbers) {
   Archive archive;
   constexpr auto sum = [](double x, const Eigen::MatrixXd& table) { return x * table.sum(); };

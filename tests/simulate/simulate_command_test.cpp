@@ -1,5 +1,4 @@
-// The command `slom simulate` as its user sees it: what it says, its exit code, and that no file is half
-// written.
+// The command `slom simulate` as seen by its user: its output, its exit code, and no partially written file.
 
 #include <algorithm>
 
@@ -89,7 +88,7 @@ TEST(SimulateCommand, FolderThatCannotBeMadeIsNamed) {
   EXPECT_EQ(result.exit_code, 2);
 }
 
-/// The last of the four files cannot be written: none of them appears, and none half.
+/// The last of the four files cannot be written. None of them appears, not even in part.
 TEST(SimulateCommand, AllFilesOrNone) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "out/truth.json");

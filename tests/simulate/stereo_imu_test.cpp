@@ -1,5 +1,5 @@
-// The simulator's files agree with its truth, by an independent projection in homogeneous matrices, and
-// depend on the seed alone.
+// The simulator's files agree with its truth, by an independent projection in homogeneous matrices, and depend only on
+// the seed.
 
 #include "simulate/stereo_imu.hpp"
 
@@ -24,7 +24,7 @@ using slom::testing::readFile;
 using slom::testing::sourcePath;
 using slom::testing::TemporaryFolder;
 
-/// What is in a folder that the simulator wrote.
+/// Contents of a folder written by the simulator.
 struct Files {
   std::vector<std::vector<double>> left, right, imu;  ///< rows of the CSV files
   Json truth;
@@ -127,7 +127,7 @@ std::vector<double> accelerationErrors(const Files& files) {
   return errors;
 }
 
-/// Mean and chi-square of `errors` are those of normal noise of deviation `sigma`, within four standard
+/// Expects that mean and chi-square of `errors` are those of normal noise of deviation `sigma`, within four standard
 /// deviations.
 void expectNormal(const std::vector<double>& errors, double sigma, const std::string& what) {
   const double n = static_cast<double>(errors.size());
@@ -229,8 +229,8 @@ TEST(StereoImu, SomeImagesAreSeenByOneCameraAndSomeReadingsAreMissing) {
   }
 }
 
-/// data/simulated_stereo_imu is what the simulator writes. The machine's sin, cos and log may differ in the
-/// last digit, hence not byte for byte.
+/// data/simulated_stereo_imu is the output of the simulator. The machine's sin, cos and log may differ in the last
+/// digit, so files are not compared byte by byte.
 TEST(StereoImu, StoredDataAreItsOutput) {
   const Files stored = readFolder(sourcePath("data/simulated_stereo_imu")), made = simulate({});
   const auto expect_same_table = [](const auto& a, const auto& b, const std::string& what) {

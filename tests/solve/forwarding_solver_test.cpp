@@ -1,4 +1,4 @@
-// A solver that watches another one: the fit is the same, bit for bit, and every call arrives.
+// A solver that watches another one: the fit is the same, bit for bit, and every call is forwarded.
 #include "slom/solve/forwarding_solver.hpp"
 
 #include <memory>

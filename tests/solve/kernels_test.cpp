@@ -118,7 +118,7 @@ std::size_t updateAt(int i, int j) {
   return updateOffset(i / kStripe) + static_cast<std::size_t>(kStripe * j + i % kStripe);
 }
 
-/// Adds a child's update, whose rows lie in the front in this order, and compares entry by entry.
+/// Adds a child's update, whose rows are at these places in the front, and compares entry by entry.
 void expectAdded(int p, int u, const std::vector<int>& targets, const std::vector<int>& blocks) {
   Random random;
   const int n = static_cast<int>(targets.size());

@@ -24,7 +24,7 @@ struct RandomProblem {
   }
   double normal() { return std::normal_distribution<double>()(rng); }
 
-  /// `cliques`: the blocks of each measurement, all of the same number; -1 is a fixed variable of 2 dof.
+  /// Adds a group. `cliques`: the blocks of each measurement, equal in number; -1 is a fixed variable of 2 dof.
   void addGroup(const std::vector<std::vector<int>>& cliques, int rows) {
     slom::MeasurementGroup group;
     Batch batch;
@@ -94,7 +94,8 @@ inline RandomProblem withEmptyBlocks(RandomProblem problem) {
   return problem;
 }
 
-/// Few blocks of 1 to 7 that all measurements are about: of one, of two, of the same one twice, of three, of fixed ones.
+/// Returns a few blocks of 1 to 7 that all measurements depend on: on one, two, the same one twice, three, and fixed
+/// ones.
 inline RandomProblem crowd(int measurements, unsigned seed) {
   std::mt19937 rng(seed);
   const auto any = [&](int first, int last) { return std::uniform_int_distribution<int>(first, last)(rng); };

@@ -47,7 +47,7 @@ std::vector<std::unique_ptr<slom::LinearSolver>> allSolvers() {
   return solvers;
 }
 
-/// What dense QR finds, which itself is compared with the normal equations.
+/// The solution by dense QR, which is itself compared with the normal equations.
 struct Oracle {
   slom::DenseQR dense;
   std::vector<VectorXd> dampings, steps;
@@ -135,7 +135,7 @@ std::vector<int> randomSizes(int count, std::mt19937& rng) {
   return sizes;
 }
 
-/// Every block gets a prior, so that the system has full rank.
+/// Adds a prior to every block, so that the system has full rank.
 void addPriors(RandomProblem& problem) {
   std::vector<std::vector<int>> priors;
   for (int b = 0; b < problem.structure.blockCount(); ++b) priors.push_back({b});
@@ -232,7 +232,7 @@ TEST(Solvers, EliminateManySmallBlocksFirst) {
   }
 }
 
-/// A ring of small blocks that many smaller ones between them see, three neighbours each: enough to be eliminated in parts.
+/// A ring of small blocks, and many smaller blocks with three neighbours each: enough to be eliminated in parts.
 TEST(Solvers, EliminateManySmallBlocksInParts) {
   constexpr int kRing = 12, kBetween = 23, kPoints = kRing * kBetween;
   const auto ring = [](int c) { return c % kRing * (kBetween + 1); };
@@ -255,7 +255,8 @@ TEST(Solvers, EliminateManySmallBlocksInParts) {
             "reduced system 6 x 2 + 6 x 3 after elimination of 207 x 1 + 69 x 2, dense Cholesky");
 }
 
-/// A tree of these blocks with `closures` further edges at random; without priors, measurements see differences alone.
+/// Returns a tree of these blocks with `closures` further edges at random. Without priors, measurements observe only
+/// differences.
 RandomProblem loopyTree(const std::vector<int>& sizes, int closures, unsigned seed) {
   RandomProblem problem(sizes, seed);
   const int n = static_cast<int>(sizes.size());
@@ -297,7 +298,7 @@ TEST(Solvers, EliminateBlocksWithFewNeighboursFirst) {
 }
 
 TEST(Solvers, NameWhatIsSingularAmongBlocksWithFewNeighbours) {
-  // Blocks of 2 that see differences of their first components alone: second ones are not seen but for those with a prior.
+  // Blocks of 2 whose first components are observed by differences only. Second components are observed only by priors.
   RandomProblem problem = loopyTree(std::vector<int>(50, 2), 10, 8);
   for (std::size_t i = 0; i < problem.batches[0].J.size(); ++i) {
     if (i % 6 >= 3) problem.batches[0].J[i] = 0;

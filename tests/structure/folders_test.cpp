@@ -1,5 +1,4 @@
-// The folders of tests are those of the library and the subcommands of the command, so that whoever changes a folder knows which
-// tests are about it.
+// The folders of tests are those of the library and of the subcommands, so that the tests of a folder are easy to find.
 #include <filesystem>
 #include <map>
 #include <string>
@@ -13,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// All others, and what they are about.
+/// All other folders, and their subjects.
 const std::map<std::string, std::string> others{
     {"calibrate_reference", "OpenCV's calibration of the same images, for tests/calibrate to compare with"},
     {"coming_from", "the problems of docs/coming_from by other libraries"},

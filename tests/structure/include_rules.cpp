@@ -32,7 +32,8 @@ std::string levelName(int level) {
                                  : kLevels[static_cast<std::size_t>(level)];
 }
 
-/// Level of the file `<step>/...` or, for a name without folder, the facade. The facade's own rooms are `estimator` and `archive`.
+/// Returns the level of the file `<step>/...` or, for a name without folder, of the facade. The facade's own rooms are
+/// `estimator` and `archive`.
 std::optional<int> levelBelowSlom(const fs::path& path) {
   if (path.begin()->stem() == "estimator" || path.begin()->stem() == "archive") return kFacade;
   if (path.begin()->stem() == "initialize") return kInitialize;
@@ -69,7 +70,7 @@ std::optional<Include> parseInclude(const std::string& line) {
   return Include{match[2], match[1] == "\""};
 }
 
-/// The included file as a path from the root, if it is one of the project's.
+/// Returns the included file as a path from the root, if it is one of the project's.
 std::optional<fs::path> projectFile(const fs::path& root, const fs::path& file, const Include& include) {
   if (startsWith(include.name, "mtk/") || startsWith(include.name, "slom/"))
     return fs::path("include") / include.name;
@@ -94,7 +95,7 @@ bool isOfTheCommandAlone(const std::string& name) {
          name.find("json") != std::string::npos;
 }
 
-/// The rule that the include breaks; empty when it breaks none.
+/// Returns the rule that the include breaks; empty if it breaks none.
 std::string brokenRule(const fs::path& root, const fs::path& file, int level, const Include& include) {
   const bool is_public = startsWith(file.generic_string(), "include/");
   if (const auto target = projectFile(root, file, include)) {
@@ -129,13 +130,14 @@ std::string brokenRule(const fs::path& root, const fs::path& file, int level, co
 
 const fs::path kCommand = "apps/slom";
 
-/// What a file of the command belongs to: the shared parts ("": beside main.cpp, and "fitting"), or a subcommand.
+/// Returns the part that a file of the command belongs to: the shared parts ("": beside main.cpp, and "fitting"), or a
+/// subcommand.
 std::string partOf(const fs::path& path) {
   const fs::path inside = path.lexically_relative(kCommand);
   return std::next(inside.begin()) == inside.end() ? "" : inside.begin()->string();
 }
 
-/// The rule of the command that the include breaks; empty when it breaks none.
+/// Returns the rule of the command that the include breaks; empty if it breaks none.
 std::string brokenRuleOfCommand(const fs::path& root, const fs::path& file, const Include& include) {
   if (startsWith(include.name, "slom/") || startsWith(include.name, "mtk/")) return "";
   const bool is_own = include.quoted && fs::exists(root / kCommand / include.name);
@@ -152,7 +154,7 @@ std::string brokenRuleOfCommand(const fs::path& root, const fs::path& file, cons
 
 using Edges = std::map<std::string, std::set<std::string>>;
 
-/// A circle of folders that include each other, its first folder again at the end; empty: none.
+/// Returns a circle of folders that include each other, with the first folder again at the end; empty if there is none.
 std::vector<std::string> circleFrom(const std::string& folder, const Edges& edges,
                                     std::vector<std::string>& path, std::set<std::string>& done) {
   const auto seen = std::find(path.begin(), path.end(), folder);

@@ -21,8 +21,8 @@ struct IncludeReport {
 ///   * include/slom/calibration and src/calibration, a library of its own, include public headers of all of these and their
 ///     own files, and may use fmt in src/; nobody of the above includes them;
 ///   * nobody includes apps/, or what only the command may use: fmt, JSON, CLI11, OpenCV;
-///   * io and io.hpp, readers of file formats, include all public headers and their own files of src/io, and may use fmt there;
-///     nothing else of the libraries includes them;
+///   * io and io.hpp, readers of file formats, include all public headers and their own files of src/io, and may use fmt
+///     there; nothing else of the libraries includes them;
 ///   * public headers include neither <iostream> nor other libraries than Eigen and oneTBB;
 /// and apps/slom, the command:
 ///   * it includes public headers of the library, never src/, and its own files by their path from apps/slom;

@@ -1,4 +1,4 @@
-/// All algorithms, for tests of what each of them must do.
+/// All algorithms, for tests of their common properties.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-/// Simulated regressions whose errors are shared within groups of equal or unequal sizes, for the coverage of clustered intervals: a test and
-/// bench_coverage use them.
+/// Simulated regressions with errors shared within groups of equal or unequal sizes, for the coverage of clustered
+/// intervals. A test and bench_coverage use them.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,8 @@
 
 namespace slom::testing::clusters {
 
-/// Numbers of measurements of the groups: 10 each; 400 of the first, 3 of the others; 2 + exp(2 + 1.2 n), n normal, drawn anew each time.
+/// Sizes of the groups: 10 each; 400 for the first and 3 for the others; 2 + exp(2 + 1.2 n), n normal, drawn anew each
+/// time.
 enum class Sizes { equal, one_large, lognormal };
 
 struct Design {
@@ -46,8 +47,9 @@ inline Eigen::VectorXd truthOf(const Design& design) {
   return truth;
 }
 
-/// Inserts 1 + 2 x - z with errors of 0.2 that a row shares, of 0.2 that a column shares, and of 0.1, which is what is stated. x is uniform
-/// within 1 around 0.3 times the number of the row, z likewise of the column. Returns the values, which start at 0.
+/// Inserts 1 + 2 x - z with three errors: 0.2 shared by a row, 0.2 shared by a column, and 0.1, the stated one. x is
+/// uniform within 1 around 0.3 times the number of the row, z likewise for the column. Returns the values, which start
+/// at 0.
 inline VarID<Eigen::VectorXd> simulate(Estimator& est, const Design& design, std::mt19937_64& random) {
   std::normal_distribution<> normal;
   std::uniform_real_distribution<> around(-1, 1);
@@ -107,11 +109,11 @@ struct Tally {
     }
   }
 
-  /// The component whose intervals hold least often.
+  /// Returns the component whose intervals hold least often.
   std::size_t worst() const {
     return static_cast<std::size_t>(std::min_element(holds.begin(), holds.end()) - holds.begin());
   }
-  /// Root mean square of the printed standard deviations over that of the errors.
+  /// Returns the root mean square of the printed standard deviations over that of the errors.
   double printedOverTrue(std::size_t component) const {
     return std::sqrt(variances[component] / squared_errors[component]);
   }

@@ -37,7 +37,7 @@ struct CommandOnFile {
     return result;
   }
 
-  /// What is refused leaves no file behind and says one sentence.
+  /// Expects that the command refuses the content with one sentence and leaves no file behind.
   void expectRefused(const std::string& content, const std::string& sentence,
                      std::vector<std::string> options = {}) const {
     const TemporaryFolder folder;

@@ -1,5 +1,5 @@
 #pragma once
-// What pages of the documentation show: fenced blocks, and the runs in them.
+// Contents of pages of the documentation: fenced blocks, and the runs in them.
 
 #include <regex>
 #include <sstream>
@@ -26,7 +26,7 @@ inline std::vector<std::string> words(const std::string& line) {
   return result;
 }
 
-/// The output of a fit without the lines of the iterations, whose number and last digits depend on rounding
+/// Returns the output of a fit without the lines of the iterations, whose number and last digits depend on rounding
 /// errors.
 inline std::string withoutIterations(const std::string& output) {
   const std::regex line(R"(\n +\d+ +[\d.e+]+( +-?[\d.]+e[-+]\d+){3} +[-\w ]+)"),

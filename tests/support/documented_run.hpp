@@ -13,7 +13,7 @@
 
 namespace slom::testing {
 
-/// The page has one block `console`: a run of slom, whose output is real but for the iterations.
+/// Expects that the page's only `console` block is a run of slom with real output, except for the iterations.
 inline void expectRealRun(const std::string& page) {
   const TemporaryFolder folder;  // the command writes here, and finds data/ as in the source tree
   std::filesystem::create_symlink(sourcePath("data"), folder / "data");

@@ -1,5 +1,5 @@
 #pragma once
-// Where tests find the source tree, the public data sets and the built command.
+// Paths of the source tree, the public data sets and the built command.
 
 #include <cstdlib>
 #include <filesystem>
@@ -14,13 +14,13 @@ inline std::filesystem::path sourcePath(const std::string& relative) {
   return std::filesystem::path(SLOM_SOURCE_DIR) / relative;
 }
 
-/// A file or folder of the public data sets, which are not part of the project and may be absent.
+/// Returns a file or folder of the public data sets, which are not part of the project and may be absent.
 inline std::filesystem::path sharedDataPath(const std::string& relative) {
   return std::filesystem::path(SLOM_SHARED_DATA_DIR) / relative;
 }
 
 #ifdef SLOM_COMMAND
-/// The built command slom, or what the environment variable SLOM_COMMAND names: another build's.
+/// Returns the built command slom, or the one named by the environment variable SLOM_COMMAND: another build's.
 inline std::filesystem::path commandPath() {
   const char* other = std::getenv("SLOM_COMMAND");
   return other ? other : SLOM_COMMAND;
@@ -29,7 +29,7 @@ inline std::filesystem::path commandPath() {
 
 }  // namespace slom::testing
 
-/// Ends the test as skipped, with the reason, when the public data set is not there.
+/// Skips the test, with the reason, if the public data set is absent.
 #define SLOM_SKIP_WITHOUT_SHARED_DATA(relative)                                             \
   if (!std::filesystem::exists(::slom::testing::sharedDataPath(relative)))                  \
   GTEST_SKIP() << "needs the public data set " << ::slom::testing::sharedDataPath(relative) \

@@ -53,7 +53,7 @@ struct LineFit {
   }
 };
 
-/// Weight as a function of t = s / c^2.
+/// A weight as a function of t = s / c^2.
 using Weight = Real (*)(Real t);
 
 /// The fixed point of iteratively reweighted least squares from `start`.

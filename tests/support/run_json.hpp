@@ -9,7 +9,7 @@
 
 namespace slom::testing {
 
-/// All phases took some time, and together not more than the whole.
+/// Expects that all phases took some time, and in total not more than the whole.
 inline void expectPlausibleSeconds(const nlohmann::json& seconds) {
   double sum = 0;
   for (const char* phase : {"load", "setup", "linearize", "factorize", "solve"}) {

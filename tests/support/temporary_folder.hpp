@@ -40,7 +40,7 @@ inline std::string readFile(const std::filesystem::path& path) {
   return content.str();
 }
 
-/// Writes the file, and the folders it lies in where they are missing.
+/// Writes the file. Creates missing folders.
 inline void writeFile(const std::filesystem::path& path, const std::string& content) {
   std::filesystem::create_directories(path.parent_path());
   std::ofstream stream(path, std::ios::binary);

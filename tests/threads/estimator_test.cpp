@@ -1,4 +1,4 @@
-// Whole fits on several threads: the same bits as on one, and, under the thread sanitizer, no race.
+// Whole fits on several threads: the same bits as on one thread and, under the thread sanitizer, no race.
 #include <cmath>
 #include <memory>
 #include <random>

@@ -1,5 +1,5 @@
-// The solver gives the same bits, and names the same unknown of a singular system, on any number of threads: also when it was
-// prepared for another number than it runs on, and in whatever order threads add their partitions of the measurements.
+// The solver gives the same bits, and names the same unknown of a singular system, on any number of threads. This holds
+// even if it was prepared for another number of threads, and in whatever order threads add their partitions.
 #include <algorithm>
 #include <atomic>
 #include <thread>

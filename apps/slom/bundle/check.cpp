@@ -13,7 +13,7 @@ namespace slom::app::bundle {
 
 namespace {
 
-/// Which things of one kind have a fault: how many, and the numbers of the first ones.
+/// Items of one kind that have a fault: their number, and the indices of the first ones.
 class Faulty {
  public:
   explicit Faulty(const char* kind) : kind_(kind) {}
@@ -28,11 +28,11 @@ class Faulty {
   }
   bool isEmpty() const { return count_ == 0; }
   std::size_t count() const { return count_; }
-  /// `2 points (numbers 3, 7)`
+  /// Returns `2 points (numbers 3, 7)`.
   std::string text() const {
     return fmt::format("{} (number{} {})", plural(count_, kind_), count_ == 1 ? "" : "s", names_);
   }
-  /// `3, 7`
+  /// Returns `3, 7`.
   const std::string& names() const { return names_; }
   const char* choose(const char* for_one, const char* for_many) const {
     return count_ == 1 ? for_one : for_many;
@@ -44,7 +44,7 @@ class Faulty {
   std::string names_;
 };
 
-/// Who sees a point.
+/// Number of cameras that see a point.
 enum class Seen : unsigned char { by_none, by_one, by_several };
 
 struct Views {
@@ -61,9 +61,9 @@ struct Views {
       }
     }
   }
-  std::vector<bool> has_camera;  ///< whether the camera sees anything
+  std::vector<bool> has_camera;  ///< by camera: whether it sees anything
   std::vector<Seen> points;
-  std::vector<int> first_camera;  ///< that sees the point
+  std::vector<int> first_camera;  ///< by point: first camera that sees it
 };
 
 void refuseUnseen(const Scene& scene, const Faulty& unseen) {
@@ -111,7 +111,7 @@ SceneCheck examine(const Scene& scene, const Faulty& seen_once) {
         parts.size(), first.names(), similarity * (int(parts.size()) - 1)));
   }
   Faulty few("camera");
-  int most_free = 0;  // of the 9 unknowns of each such camera
+  int most_free = 0;  // largest number of free unknowns, of 9, of such a camera
   for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
     const std::size_t points = sightings.pointsOf(int(c)).size();
     if (points > few_points) continue;
@@ -160,7 +160,7 @@ std::string behindText(const Scene& scene) {
 
 std::string dominantText(const Scene& scene) {
   constexpr double nearly_all = 0.9;
-  constexpr std::size_t least_observations = 10;  // among fewer, one may well have most
+  constexpr std::size_t least_observations = 10;  // among fewer, one may well have most of the RSS
   double sum = 0, most = 0;
   const Observation* worst = nullptr;
   for (const Observation& observation : scene.observations) {

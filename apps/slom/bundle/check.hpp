@@ -1,4 +1,4 @@
-// Whether a scene can be fitted.
+// Checks whether a scene can be fitted.
 #pragma once
 
 #include <string>
@@ -8,19 +8,20 @@
 
 namespace slom::app::bundle {
 
-/// What a scene lacks.
+/// Deficiencies of a scene.
 struct SceneCheck {
   int parts = 1;  ///< parts that share no point
-  std::vector<std::string>
-      warnings;  ///< on points that one camera alone sees, cameras with too few points, parts
+  /// About points seen by one camera only, cameras with too few points, and parts.
+  std::vector<std::string> warnings;
 };
 
-/// A warning on the points that lie behind cameras that see them; empty: none does.
+/// Returns a warning about points that are behind cameras that see them; empty if there are none.
 std::string behindText(const Scene& scene);
-/// `; the observation on line 17, of point 4 by camera 0, has 99 % of the RSS: correct or remove it`, where one has nearly all; else empty.
+/// Returns, if one observation has nearly all of the RSS, a text such as
+/// `; the observation on line 17, of point 4 by camera 0, has 99 % of the RSS: correct or remove it`; otherwise empty.
 std::string dominantText(const Scene& scene);
 
-/// Throws UserError for cameras and points without observations, and where a point has no image at the start.
+/// Throws UserError for cameras and points without observations, and if a point has no image at the start.
 SceneCheck checkScene(const Scene& scene);
 
 }  // namespace slom::app::bundle

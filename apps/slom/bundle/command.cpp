@@ -49,7 +49,7 @@ Summary fit(Scene& scene, const Settings& settings, const Console& console, doub
   return summary;
 }
 
-/// At the end of the fit, also of one that was cut short, unless it takes long.
+/// Counts free directions at the end of the fit, even if it was cut short, unless counting takes long.
 void countFreeDirections(const Scene& scene, RunReport& report) {
   const StopReason reason = report.summary.stop_reason;
   const bool was_cut_short = reason == StopReason::interrupted || reason == StopReason::time_limit;

@@ -1,4 +1,4 @@
-// Bundle adjustments as the library reads them, with their cameras and observations.
+// Bundle adjustments in the library's types, with cameras and observations.
 #pragma once
 
 #include <slom/io/scene.hpp>

@@ -1,4 +1,4 @@
-// What the user asked for on the command line.
+// Settings from the command line.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace slom::app::bundle {
 
-/// The algorithm of all scenes, whose place, rotation and scale are free: its damping keeps them where they are.
+/// The algorithm for all scenes. Their place, rotation and scale are free; its damping keeps them where they are.
 inline constexpr std::string_view kAlgorithm = "lm";
 
 struct Settings {
@@ -21,7 +21,7 @@ struct Settings {
   ReportOptions report;
 };
 
-/// The options as text, as CLI11 hands them over.
+/// The options as text from CLI11.
 struct RawOptions {
   RawFitOptions fit{.algorithm = std::string(kAlgorithm),
                     .solver = solvers().front().name,
@@ -31,7 +31,7 @@ struct RawOptions {
   Settings rest;
 };
 
-/// Reads the texts and checks all values; UserError names the option.
+/// Reads the texts and checks all values. Throws UserError that names the option.
 Settings parseSettings(const RawOptions& raw);
 
 }  // namespace slom::app::bundle

@@ -1,4 +1,4 @@
-// Where a command that fits says what it does.
+// Console output of a command that fits.
 #pragma once
 
 #include <cstdio>
@@ -8,24 +8,25 @@
 
 namespace slom::app {
 
-/// The options that say where a fit is reported.
+/// Options that select the reports of a fit.
 struct ReportOptions {
   std::string json_file;  ///< empty: none; "-": standard output
   bool quiet = false;
 
   bool jsonToStdout() const { return json_file == "-"; }
-  /// Empty also where the JSON goes to standard output.
+  /// Returns the path of the JSON file; empty if there is none or the JSON goes to standard output.
   std::string jsonPath() const { return jsonToStdout() ? "" : json_file; }
 };
 
-/// Adds --json and --quiet; `options` must live as long as `command`.
+/// Adds --json and --quiet. `options` must live as long as `command`.
 void addReportOptions(CLI::App& command, ReportOptions& options);
 
-/// Where people read: standard output, but standard error when the JSON goes there; nowhere with --quiet.
+/// The console: standard output, or standard error if the JSON goes to standard output. With --quiet, there is no
+/// output.
 class Console {
  public:
   explicit Console(const ReportOptions& options);
-  /// Shown at once.
+  /// Prints at once.
   void print(const std::string& text) const;
 
  private:

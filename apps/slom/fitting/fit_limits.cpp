@@ -68,7 +68,7 @@ double FitLimits::secondsLeft() const {
 }
 
 void FitLimits::applyTo(Options& options) {
-  constexpr double no_time = 1e-9;  // what the library takes must be positive
+  constexpr double no_time = 1e-9;  // the library requires a positive number
   if (current == nullptr) return;
   options.should_stop = [] { return was_interrupted != 0; };
   if (current->max_seconds_ > 0) options.max_seconds = std::max(current->secondsLeft(), no_time);

@@ -1,4 +1,4 @@
-// What ends a run early: --max-seconds, and Ctrl-C.
+// Limits that end a run early: --max-seconds, and Ctrl-C.
 #pragma once
 
 #include <chrono>
@@ -18,19 +18,20 @@ namespace slom::app {
 /// Adds --max-seconds; 0: no limit.
 void addTimeLimit(CLI::App& command, double& max_seconds);
 
-/// UserError where the value of --max-seconds is negative or not a number. Called before any file is read.
+/// Throws UserError if the value of --max-seconds is negative or not a number. Called before any file is read.
 void requireTimeLimit(double max_seconds);
 
-/// Thrown to end work that is useless when unfinished; the text is FitLimits::reasonToEnd().
+/// An exception that ends work that is useless when unfinished. Its text is FitLimits::reasonToEnd().
 struct RunEnded : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// While an object lives, the first SIGINT ends the work with the best values reached, the second one ends the program; where
-/// SIGINT was ignored before, it stays ignored. The time limit counts from construction. There is at most one object at a time.
+/// Limits in force during an object's lifetime. The first SIGINT ends the work with the best values reached, the second
+/// ends the program. If SIGINT was ignored before, it stays ignored. The time limit counts from construction. There is
+/// at most one object at a time.
 class FitLimits {
  public:
-  /// What SIGINT does until catchInterrupts() is called.
+  /// Effect of SIGINT until catchInterrupts() is called.
   enum class Interrupts { end_the_work, end_the_program };
 
   explicit FitLimits(double max_seconds, Interrupts interrupts = Interrupts::end_the_work);
@@ -38,24 +39,24 @@ class FitLimits {
   FitLimits(const FitLimits&) = delete;
   FitLimits& operator=(const FitLimits&) = delete;
 
-  /// From now on SIGINT ends the work.
+  /// Makes SIGINT end the work from now on.
   void catchInterrupts();
 
   double maxSeconds() const { return max_seconds_; }
-  /// When the time limit began to count.
+  /// Returns the time at which the time limit began to count.
   std::chrono::steady_clock::time_point start() const { return start_; }
-  /// Whether SIGINT arrived after the latest object was made.
+  /// Returns whether SIGINT arrived after the latest object was made.
   static bool wasInterrupted();
 
-  /// Gives a fit the limits of the object that lives now, if any.
+  /// Gives a fit the limits of the present object, if there is one.
   static void applyTo(Options& options);
-  /// Puts the limit that the user gave into the message of such a fit, which names the time that was left instead.
+  /// Writes the user's limit into the message of such a fit, in place of the remaining time.
   static void nameIn(Summary& summary);
-  /// Makes the summary that of a fit which a limit has ended, whatever else it says.
+  /// Turns the summary into that of a fit ended by a limit, whatever else it says.
   static void sayIn(Summary& summary);
-  /// `time limit of 5 s reached` or `interrupted`; empty while the work may go on.
+  /// Returns `time limit of 5 s reached` or `interrupted`; empty while the work may continue.
   static std::string reasonToEnd();
-  /// Throws RunEnded when there is a reason to end.
+  /// Throws RunEnded if there is a reason to end.
   static void requireTime();
 
  private:

@@ -30,7 +30,7 @@ std::vector<std::string> splitAtColons(const std::string& text) {
   return words;
 }
 
-/// The field `name` or `description` of all entries of a table of the library.
+/// Returns the field `name` or `description` of all entries of a table of the library.
 template <class Entry>
 std::vector<std::string> allOf(std::span<const Entry> table, const char* Entry::*field) {
   std::vector<std::string> words;
@@ -38,10 +38,10 @@ std::vector<std::string> allOf(std::span<const Entry> table, const char* Entry::
   return words;
 }
 
-/// What a help text says of one option, in lines that fit beside its name.
+/// Returns the help text of an option, in lines that fit beside its name.
 std::string help(const std::string& text) { return wrapped(text, 70); }
 
-/// `name: description` of all entries of a table of the library.
+/// Returns `name: description` of all entries of a table of the library.
 template <class Entry>
 std::string described(std::span<const Entry> table) {
   std::vector<std::string> parts;
@@ -64,12 +64,12 @@ NamedSolver parseSolver(const std::string& text) {
                   listed(allOf(solvers(), &NamedSolver::name), ", ", " or ")));
 }
 
-/// What stands for the loss in `--robust`, without its scale.
+/// Returns the form of the loss in `--robust`, without its scale.
 std::string formOf(const LossKind& loss) {
   return loss.has_shape ? fmt::format("{}:ALPHA", loss.stored_name) : loss.stored_name;
 }
 
-/// `NAME:SCALE`, or `barron:ALPHA:SCALE`
+/// Parses `NAME:SCALE` or `barron:ALPHA:SCALE`.
 Loss parseLoss(const std::string& text) {
   const std::vector<std::string> words = splitAtColons(text);
   const LossKind* const known = lossNamed(words[0]);

@@ -1,4 +1,4 @@
-// The options that all commands share which fit a problem from a file.
+// Options shared by all commands that fit a problem from a file.
 #pragma once
 
 #include <optional>
@@ -21,12 +21,12 @@ struct FitOptions {
   NamedAlgorithm algorithm = algorithms().front();
   NamedSolver solver = solvers().front();
   Loss loss;        ///< loss of all measurements
-  int threads = 0;  ///< 0: as many as the machine has
+  int threads = 0;  ///< 0: all of the machine
   int max_iterations = Options::kByTheSize;
   double max_seconds = 0;  ///< 0: no limit
 };
 
-/// The options as text, as CLI11 hands them over.
+/// The options as text from CLI11.
 struct RawFitOptions {
   std::string algorithm = algorithms().front().name;
   std::string solver = solvers().front().name;
@@ -36,18 +36,18 @@ struct RawFitOptions {
   double max_seconds = 0;             ///< 0: no limit
 };
 
-/// Adds --algorithm, --solver, --threads, --max-iterations and --max-seconds; `raw` must live as long as `command`.
+/// Adds --algorithm, --solver, --threads, --max-iterations and --max-seconds. `raw` must live as long as `command`.
 void addFitOptions(CLI::App& command, RawFitOptions& raw);
-/// Adds --robust, for problems without losses of their own.
+/// Adds --robust, for problems that define no losses.
 void addLossOption(CLI::App& command, RawFitOptions& raw);
 
-/// Reads the texts and checks all values; UserError names the option.
+/// Reads the texts and checks all values. Throws UserError that names the option.
 FitOptions parseFitOptions(const RawFitOptions& raw);
 
-/// Algorithm, linear solver and threads.
+/// Sets algorithm, linear solver and threads.
 void apply(const FitOptions& options, Estimator& estimator);
 
-/// The number of threads that the fit uses.
+/// Returns the number of threads that the fit uses.
 int threadsOf(const FitOptions& options);
 
 }  // namespace slom::app

@@ -20,7 +20,7 @@ std::string iterationText(const IterationRecord& r) {
 
 namespace {
 
-/// ` + 7 free directions`
+/// Returns ` + 7 free directions`.
 std::string freeDirectionsText(const Outcome& o) {
   if (o.free_directions == 0 && o.has_all_free_directions) return "";
   return fmt::format(" + {}{}", o.has_all_free_directions ? "" : "at least ",

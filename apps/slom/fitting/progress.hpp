@@ -1,4 +1,4 @@
-// What a fit says while it runs and when it is done.
+// Texts of a fit while it runs and at its end.
 #pragma once
 
 #include <string>
@@ -9,31 +9,31 @@
 
 namespace slom::app {
 
-/// The heads of the columns of iterationText.
+/// Returns the column headings of iterationText.
 std::string iterationHeader();
 std::string iterationText(const IterationRecord& record);
 
-/// The figures by which a fit is reported.
+/// Figures in the report of a fit.
 struct Outcome {
   bool converged = false;
   int iterations = 0;
   std::string stop_reason;
-  std::string message;  ///< the reason in a sentence; shown when the fit did not converge
+  std::string message;  ///< reason in a sentence; shown if the fit did not converge
   int measurements = 0;
   int unknowns = 0;
   double rss = 0;
-  bool is_robust = false;               ///< some measurements have a loss, so that there is no chi-square
-  int free_directions = 0;              ///< which no measurement determines
+  bool is_robust = false;               ///< some measurements have a loss, so there is no chi-square
+  int free_directions = 0;              ///< number of directions that no measurement determines
   bool has_all_free_directions = true;  ///< false: there may be more
 
-  /// With has_all_free_directions = false the redundancy is at least this.
+  /// Returns the redundancy; a lower bound if has_all_free_directions is false.
   int redundancy() const { return measurements - unknowns + free_directions; }
-  /// NaN without redundancy; with has_all_free_directions = false at most this.
+  /// Returns RSS / redundancy; NaN without redundancy, an upper bound if has_all_free_directions is false.
   double rssPerDof() const;
 };
 Outcome outcomeOf(const RunReport& report);
 
-/// `Converged after ...`, the numbers of measurements and unknowns, the RSS, what went wrong.
+/// Returns `Converged after ...`, the numbers of measurements and unknowns, the RSS, and faults.
 std::string outcomeText(const Outcome& outcome);
 
 }  // namespace slom::app

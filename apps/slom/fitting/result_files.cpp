@@ -14,7 +14,7 @@ void ResultFiles::finish(const Console& console) {
   if (!options_.jsonPath().empty()) add(options_.jsonPath(), true, [&] { return json; });
   files_.commit();
   if (!said_.empty()) console.print("\n" + said_);
-  if (options_.jsonToStdout()) std::fputs(json.c_str(), stdout);  // main() sees that it arrived
+  if (options_.jsonToStdout()) std::fputs(json.c_str(), stdout);  // main() checks that it arrived
 }
 
 void requireConverged(const RunReport& report, const std::string& advice) {

@@ -1,4 +1,4 @@
-// How a run ends: its files, and what is said of a fit that failed.
+// End of a run: its files, and the error for a failed fit.
 #pragma once
 
 #include <string>
@@ -10,19 +10,19 @@
 
 namespace slom::app {
 
-/// The files of one run, which appear together. Those of a fit that failed are not written, as their readers
-/// would take them for good; the JSON, which says so, is.
+/// The files of one run, which appear together. If the fit failed, only the JSON is written, which reports the failure.
+/// Readers of the other files would take them for good.
 class ResultFiles {
  public:
-  /// Both must outlive this.
+  /// Refers to both arguments, which must outlive this object.
   ResultFiles(const RunReport& report, const ReportOptions& options) : report_(report), options_(options) {}
 
-  /// `content()` is the text of `file`; nothing happens for an empty name.
+  /// Adds a file with the text `content()`. Does nothing if the name is empty.
   template <class F>
   void add(const std::string& file, const F& content) {
     if (!file.empty()) add(file, report_.summary.converged, content);
   }
-  /// Writes the JSON and gives all files their names; says which were written.
+  /// Writes the JSON and gives all files their names. Prints which files were written.
   void finish(const Console& console);
 
  private:
@@ -38,7 +38,7 @@ class ResultFiles {
   std::string said_;
 };
 
-/// Ends the run when the fit did not converge: says why, followed by `advice` and the warnings on the data.
+/// Ends the run if the fit did not converge. Prints the reason, followed by `advice` and the warnings on the data.
 void requireConverged(const RunReport& report, const std::string& advice);
 
 }  // namespace slom::app

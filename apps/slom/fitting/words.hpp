@@ -1,4 +1,4 @@
-// What the library says of a fit, in words of the command.
+// Sentences of the library about a fit, in words of the command.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace slom::app {
 
-/// The sentence with options and lines of files in place of functions and options of the library.
+/// Replaces functions and options of the library in the sentence by options and lines of files.
 std::string inWordsOfTheCommand(std::string sentence);
 
-/// The same of a fit's message and warnings.
+/// Replaces them in a fit's message and warnings.
 void putIntoWordsOfTheCommand(Summary& summary);
 
 }  // namespace slom::app

@@ -41,7 +41,7 @@ Poses and landmarks are in the plane or in space; edges have information matrice
 no lines FIX, the report says what is fixed. If it has no vertices, start values are found.
 )";
 
-/// Everything between reading and fitting.
+/// Performs all steps between reading and fitting.
 template <class Pose>
 Preparation prepareOrThrow(PoseGraph<Pose>& graph, const Settings& settings) {
   Preparation preparation;
@@ -60,7 +60,7 @@ Preparation prepareOrThrow(PoseGraph<Pose>& graph, const Settings& settings) {
   return preparation;
 }
 
-/// A refusal says which lines were skipped, which may be what it misses.
+/// Prepares the fit. Adds to errors which lines were skipped, because the missing data may be there.
 template <class Pose>
 Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
   try {
@@ -72,26 +72,27 @@ Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
   }
 }
 
-/// The options of fits within limits.
+/// Returns the options of fits within limits.
 Options optionsOf(const Settings& settings, const Console& console) {
   Options options;
   options.max_iterations = settings.fit.max_iterations;
   FitLimits::applyTo(options);
-  options.deviation_tolerance = 1e-4;  // a map has no use for more
+  options.deviation_tolerance = 1e-4;  // enough for a map
   options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
   console.print("\n" + iterationHeader());
   return options;
 }
 
-/// The map over time, where that is wanted, and the order in which its poses came; empty: not pose by pose.
+/// The map over time, if wanted, and the order in which its poses came; empty: not pose by pose.
 struct Film {
   std::vector<Sketch::Frame> frames;
   std::vector<int> order;
 };
 
-/// Warns of directions that the measurements hardly determine, as headings where information was repaired: such fits creep.
+/// Warns of directions that the measurements hardly determine, such as headings whose information was repaired. Fits
+/// then converge slowly.
 void warnOfWeakDirections(const Estimator& est, Summary& summary) {
-  constexpr int most_unknowns = 30000;  // the diagnosis takes some factorisations
+  constexpr int most_unknowns = 30000;  // the diagnosis takes several factorisations
   constexpr std::size_t most_named = 3;
   if (summary.unknowns > most_unknowns) return;
   std::vector<std::string> weak;
@@ -109,7 +110,7 @@ void warnOfWeakDirections(const Estimator& est, Summary& summary) {
   if (!summary.converged && !weak.empty()) summary.message += ", while " + weak.front();
 }
 
-/// Whether a fit has stopped for no reason that its data show.
+/// Returns whether a fit stopped without a reason in its data: at the iteration limit, or without progress.
 bool hasCrept(const Summary& summary) {
   return summary.stop_reason == StopReason::max_iterations || summary.stop_reason == StopReason::no_progress;
 }

@@ -10,9 +10,9 @@ namespace slom::app::graph {
 
 namespace {
 
-constexpr std::size_t most_lines = 5;  // that a message names
+constexpr std::size_t most_lines = 5;  // lines named in a message
 
-/// As the library decides it: by the pivots of the Cholesky factor at unit diagonal.
+/// Decides as the library does: by the pivots of the Cholesky factor at unit diagonal.
 bool isPositiveDefinite(const Eigen::MatrixXd& m) {
   if (!(m.diagonal().array() > 0).all()) return false;
   if (m.isDiagonal(0)) return true;
@@ -33,7 +33,7 @@ class Check {
  public:
   Check(const std::string& file, bool repair) : file_(file), repair_(repair) {}
 
-  /// Edges, sightings, bearings or priors.
+  /// Checks edges, sightings, bearings or priors.
   void operator()(auto& edges) {
     for (auto& edge : edges) {
       if (isPositiveDefinite(edge.information)) continue;

@@ -1,4 +1,4 @@
-// Pose graphs as the library reads them, with their nodes and edges.
+// Pose graphs in the library's types, with nodes and edges.
 #pragma once
 
 #include <slom/io/pose_graph.hpp>

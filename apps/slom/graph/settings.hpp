@@ -1,4 +1,4 @@
-// What the user asked for on the command line.
+// Settings from the command line.
 #pragma once
 
 #include <optional>
@@ -27,7 +27,7 @@ struct Settings {
   GraphModel model() const { return {fit, rotation_error}; }
 };
 
-/// The options as text, as CLI11 hands them over.
+/// The options as text from CLI11.
 struct RawOptions {
   RawFitOptions fit;
   std::string init = "auto";
@@ -36,7 +36,7 @@ struct RawOptions {
   Settings rest;
 };
 
-/// Reads the texts and checks all values; UserError names the option.
+/// Reads the texts and checks all values. Throws UserError that names the option.
 Settings parseSettings(const RawOptions& raw);
 
 }  // namespace slom::app::graph

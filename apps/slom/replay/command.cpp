@@ -37,7 +37,7 @@ struct Settings {
   bool diagnose = false;
 };
 
-/// What the library says of a file or an option that is wrong, without the id before it.
+/// Returns f(). Errors of the library about a file or an option become UserError, without the id.
 template <class F>
 auto asUserError(const F& f) {
   try {
@@ -47,7 +47,7 @@ auto asUserError(const F& f) {
   }
 }
 
-/// What the library says of a file, with a list of all types that it knows cut to those of the same function.
+/// Shortens the list of known types in an error of the library to types of the same function.
 std::string withoutList(const std::string& sentence) {
   const std::string unknown = " are not known to this program, which knows ";
   const std::size_t end = sentence.find(unknown), place = sentence.find(": ");

@@ -9,7 +9,7 @@ namespace {
 using Point = mtk::vect<3>;
 using Pixel = Measured<mtk::vect<2>>;
 
-/// Adds images, by one kind of lens, of points whose positions are unknown and of points whose positions are known.
+/// Adds images through one kind of lens, of points with unknown positions and of points with known positions.
 template <class Lens, class Camera>
 void addLens(Archive& archive) {
   archive.measurement<Projection, VarID<Lens>, Point, Pixel>();

@@ -1,4 +1,4 @@
-// The measurements that `slom replay` knows: those of slom/measurements, of the types that they are used with most.
+// The measurements that `slom replay` knows: those of slom/measurements, for the types that are used most with them.
 #pragma once
 
 #include <slom/archive.hpp>
@@ -8,13 +8,13 @@ namespace slom::app::replay {
 using Pose2 = mtk::trafo<mtk::SO2<>>;
 using Pose3 = mtk::trafo<mtk::SO3<>>;
 
-/// Relative poses and rotations, landmarks.
+/// Adds relative poses and rotations, and landmarks.
 void addPoseKinds(Archive& archive);
-/// Priors, gravity.
+/// Adds priors and gravity.
 void addPriorKinds(Archive& archive);
-/// Ranges, bearings, angles of theodolites.
+/// Adds ranges, bearings, and angles of theodolites.
 void addObservationKinds(Archive& archive);
-/// Points in images.
+/// Adds points in images.
 void addImageKinds(Archive& archive);
 
 }  // namespace slom::app::replay

@@ -10,7 +10,7 @@ namespace {
 
 using mtk::SO2;
 
-/// What lies between two points, of which the first may be a pose.
+/// Adds measurements between two points, the first of which may be a pose.
 template <class Pose, class Point>
 void addBetween(Archive& archive) {
   archive.measurement<Range, VarID<Point>, VarID<Point>, Measured<double>>();

@@ -17,7 +17,7 @@ namespace slom::app {
 
 namespace {
 
-/// Adds an option that is a number. `accepts` says which numbers are allowed, `remedy` says it in words.
+/// Adds a numeric option. `accepts` returns whether a number is allowed; `remedy` describes the allowed numbers.
 template <class Number>
 void addNumber(CLI::App& command, const std::string& name, Number& value, const std::string& help,
                bool (*accepts)(Number), const std::string& remedy) {

@@ -5,8 +5,8 @@
 
 namespace slom::app {
 
-/// Adds the subcommand `simulate`, with one subcommand for each device it knows, to the command line. It runs
-/// while the command line is parsed; mistakes are thrown as UserError.
+/// Adds the subcommand `simulate` to the command line, with one subcommand for each simulated device. It runs while the
+/// command line is parsed. Mistakes throw UserError.
 void addSimulateCommand(CLI::App& app);
 
 }  // namespace slom::app

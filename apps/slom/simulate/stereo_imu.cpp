@@ -24,8 +24,8 @@ constexpr std::uint32_t kViewStream = 1;
 constexpr std::uint32_t kPixelStream = 2;
 constexpr std::uint32_t kAccelerationStream = 3;
 
-/// A head with two 1.2 megapixel cameras, 8 cm apart, and an accelerometer whose axes are those of a body
-/// frame (x forward, y left, z up), all mounted with errors of some degrees.
+/// Returns a head with two 1.2 megapixel cameras, 8 cm apart, and an accelerometer with the axes of a body frame (x
+/// forward, y left, z up). All are mounted with errors of some degrees.
 StereoImuTruth device() {
   StereoImuTruth truth;
   truth.image_width_px = 1280;
@@ -44,8 +44,8 @@ mtk::vect<3> boardPoint(int column, int row) {
   return mtk::vect<3>(column * kSquareSize, row * kSquareSize, 0.0);
 }
 
-/// Pose of the left camera in view `index`: tilted by 20 to 50 degrees against the vertical, on a direction
-/// that turns by the golden angle from view to view, both cameras aimed near the middle of the board.
+/// Returns the pose of the left camera in view `index`, tilted by 20 to 50 degrees against the vertical. The direction
+/// of the tilt turns by the golden angle from view to view. Both cameras aim near the middle of the board.
 SE3 drawView(int index, Random& random) {
   constexpr double degree = std::numbers::pi / 180;
   const double golden_angle = std::numbers::pi * (3 - std::sqrt(5.0));
@@ -53,7 +53,7 @@ SE3 drawView(int index, Random& random) {
   const double azimuth = index * golden_angle + random.uniform(-15, 15) * degree;
   const double roll = random.uniform(-25, 25) * degree;
   const double distance = random.uniform(0.28, 0.46);
-  // One statement a number: C++ leaves open in which order the arguments of a call are computed.
+  // Each number has its own statement, because C++ leaves the order of evaluation of arguments open.
   const double shift_x = random.uniform(-0.08, 0.08);
   const double shift_y = random.uniform(-0.06, 0.06);
   const mtk::vect<3> target =
@@ -70,7 +70,7 @@ SE3 drawView(int index, Random& random) {
   return SE3(orient, between_cameras - orient * mtk::vect<3>(0.04, 0.0, 0.0));
 }
 
-/// Corners of the board that one camera sees, without noise.
+/// Returns the corners of the board that one camera sees, without noise.
 std::vector<SimulatedCorner> visibleCorners(int image, const SimulatedCamera& camera, const SE3& world2camera,
                                             const StereoImuTruth& truth) {
   std::vector<SimulatedCorner> corners;
@@ -94,7 +94,7 @@ struct View {
   std::vector<SimulatedCorner> left, right;
 };
 
-/// A view in which each camera sees at least half of the board.
+/// Returns a view in which each camera sees at least half of the board.
 View drawUsableView(int index, const StereoImuTruth& truth, Random& random) {
   constexpr std::size_t enough = kBoardColumns * kBoardRows / 2;
   View view;

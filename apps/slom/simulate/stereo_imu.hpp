@@ -1,5 +1,5 @@
 #pragma once
-// A simulated stereo camera with an accelerometer that looks at a level chessboard, with known truth.
+// A simulated stereo camera with an accelerometer, in front of a level chessboard, with known truth.
 //
 // Frames    world   the board's: x along a row of corners, z up, origin at the first corner     [m]
 //           left    the reference camera: z forward, x right, y down                            [m]
@@ -25,11 +25,11 @@ struct StereoImuOptions {
 struct SimulatedCamera {
   double fx, fy, cx, cy, k1, k2, p1, p2, k3;
 
-  /// The pixel of a point in camera coordinates that lies in front of the camera.
+  /// Returns the pixel of a point in camera coordinates that is in front of the camera.
   mtk::vect<2> project(const mtk::vect<3>& point) const;
 };
 
-/// What the simulated device is.
+/// Truth of the simulated device.
 struct StereoImuTruth {
   int image_width_px, image_height_px;
   SimulatedCamera left, right;
@@ -49,7 +49,7 @@ struct SimulatedCorner {
 
 struct SimulatedAcceleration {
   int image;
-  mtk::vect<3> reading;  ///< zero where not valid
+  mtk::vect<3> reading;  ///< zero if not valid
   bool valid;
 };
 
@@ -59,10 +59,9 @@ struct StereoImuData {
   std::vector<SimulatedAcceleration> imu;
 };
 
-/// Draws the views and the noise. The device is always the same; the seed decides the rest, and noise is
-/// drawn apart from views, so that equal seeds with different sigmas see the same. As in real data, corners
-/// outside an image are missing, in some images one camera sees nothing, and some accelerometer readings are
-/// not valid.
+/// Draws the views and the noise. The device is always the same; the seed determines the rest. Noise is drawn
+/// separately from views, so equal seeds with different sigmas give the same views. As in real data, corners outside an
+/// image are missing, one camera sees nothing in some images, and some accelerometer readings are not valid.
 StereoImuData simulateStereoImu(const StereoImuOptions& options);
 
 }  // namespace slom::app

@@ -7,9 +7,9 @@
 
 namespace slom::app {
 
-/// Writes left_corners.csv, right_corners.csv and imu.csv, which `slom calibrate` reads, and truth.json,
-/// whose keys are those of that command's result, into `folder`, which is made where it is missing. All files
-/// are complete or none is there; throws UserError where they cannot be written.
+/// Writes left_corners.csv, right_corners.csv and imu.csv, which `slom calibrate` reads, and truth.json with the keys
+/// of that command's result. Creates `folder` if it does not exist. Either all files are written completely or none.
+/// Throws UserError if they cannot be written.
 void writeStereoImu(const StereoImuData& data, const StereoImuOptions& options,
                     const std::filesystem::path& folder);
 

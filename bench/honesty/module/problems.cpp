@@ -1,5 +1,4 @@
-// The starts of bench_honesty and the check of its claims, for by_scipy.py: plain functions of a shared
-// library.
+// The starts of bench_honesty and the check of its claims for by_scipy.py, as plain functions of a shared library.
 #include <cstdint>
 
 #include <mtk/dual.hpp>
@@ -32,7 +31,7 @@ extern "C" {
 /// Sets: 0 published starts, 1 classics, 2 curves, 3 sigmoid, 4 decays.
 int honesty_published() { return static_cast<int>(publishedStarts().size()); }
 
-/// The problem stays valid until honesty_close.
+/// Returns a problem that is valid until honesty_close.
 Problem* honesty_open(int set, std::uint64_t number) { return new Problem(problemOf(set, number)); }
 void honesty_close(Problem* problem) { delete problem; }
 
@@ -44,7 +43,7 @@ void honesty_evaluate(const Problem* problem, const double* x, double* r) {
   evaluate<double>(*problem, x, r);
 }
 
-/// residuals x unknowns, row-major, by dual numbers
+/// Computes the Jacobian by dual numbers, residuals x unknowns, row-major.
 void honesty_jacobian(const Problem* problem, const double* x, double* J) {
   using Dual = mtk::Dual<double, 1>;
   const int n = honesty_unknowns(problem);

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 constexpr int kMostGroupsExact = 300;
 constexpr int kProbes = 32;
 
-/// B for one component.
+/// The matrix B of one component, see the header.
 class WorkingCovariance {
  public:
   WorkingCovariance(const LinearizedProblem& linearized, FreeGauge gauge, const ClusterScores& scores,
@@ -56,7 +56,7 @@ class WorkingCovariance {
     }
   }
 
-  /// tr B^2 = sum D^2 - 2 sum D_g y_g^T C y_g + tr (C W)^2, W = sum y_g y_g^T.
+  /// Returns tr B^2 = sum D^2 - 2 sum D_g y_g^T C y_g + tr (C W)^2, W = sum y_g y_g^T.
   double byShared(const MatrixXd& C) const {
     std::vector<int> place(at(linearized_.structure().system.unknowns()), -1);
     for (std::size_t i = 0; i < scores_.shared().size(); ++i)

@@ -20,19 +20,19 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kUnseen = -1, kSharedBlock = -2;  // beside the numbers of groups, in owner_
+constexpr int kUnseen = -1, kSharedBlock = -2;  // values in owner_ besides the numbers of groups
 constexpr int kMostSharedUnknowns = 1500;       // of one group; dense matrices of that size are decomposed
-constexpr int kMostPrivateUnknowns = 2000;      // of one group, which meet each other
-constexpr int kFewSharedUnknowns =
-    64;  // of all groups together: so many columns cost less than selected inversion
+constexpr int kMostPrivateUnknowns = 2000;      // of one group, in one component of its private blocks
+constexpr int kFewSharedUnknowns = 64;  // of all groups; so few columns cost less than selected inversion
 constexpr int kMostSharedForDof = 300;
 constexpr double kLeastVariance = 1e-12;  // eigenvalues of a correlation matrix that count as 0
 constexpr double kLeastLeverage = 1e-10;  // eigenvalues of H_gg that count as 0
-/// 1 - lambda below which a group determines a direction alone. Leverages have at least six digits, as LinearizedProblem keeps them.
+/// 1 - lambda below which a group alone determines a direction. Leverages have at least 6 digits, as LinearizedProblem
+/// ensures.
 constexpr double kAlone = 1e-6;
-constexpr double kLeastPivot = 1e-11;  // relative, of the private unknowns of a group
+constexpr double kLeastPivot = 1e-11;  // of the private unknowns of a group, relative
 
-/// X = A^+ B for a positive semidefinite A.
+/// Returns X = A^+ B for a positive semidefinite A.
 MatrixXd solveSemidefinite(const MatrixXd& A, const MatrixXd& B) {
   const VectorXd scale =
       A.diagonal().unaryExpr([](double a) { return a > 0 ? 1 / std::sqrt(a) : 0.0; }).eval();
@@ -56,10 +56,10 @@ int placeOf(const std::vector<int>& sorted, int block) {
   return static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), block) - sorted.begin());
 }
 
-/// The private blocks of a group, in components whose blocks meet in its measurements.
+/// The private blocks of a group, by components: blocks of one component are connected by measurements of the group.
 struct PrivateBlocks {
-  std::vector<int> blocks, component, start;  // by block: its component, and where it begins there
-  std::vector<int> size;                      // unknowns by component
+  std::vector<int> blocks, component, start;  // by block: its component, and its first row there
+  std::vector<int> size;                      // by component: number of unknowns
 
   PrivateBlocks(std::vector<int> all)
       : blocks(std::move(all)), component(blocks.size()), start(blocks.size()) {
@@ -99,7 +99,7 @@ ClusterScores::ClusterScores(const LinearizedProblem& linearized, FreeGauge gaug
   all_meet_.assign(at(count()), 1);
   has_rows_.assign(at(count()), 0);
   const JacobianRows& rows = linearized.rows();
-  static_cast<void>(rows);  // is linearised before the threads begin
+  static_cast<void>(rows);  // linearises before the threads begin
   detail::forEachIndex(count(), [&](int g) { reduce(g); });
   addInverses(most_columns);
   const double groups = count(), residuals = linearized.structure().residuals;
@@ -135,7 +135,7 @@ void ClusterScores::findOwners() {
   }
 }
 
-/// Leaves N in F and J~^T r in residual, for finish().
+/// Computes N in F and J~^T r in residual, for finish().
 void ClusterScores::reduce(int g) {
   const JacobianRows& rows = linearized_.rows();
   const BlockStructure& structure = linearized_.structure().system;
@@ -225,8 +225,8 @@ void ClusterScores::reduce(int g) {
   factor.residual = std::move(gradient);
 }
 
-/// Leaves J_g^T in F and r_g in residual, for finishRows(), of a group without private blocks that has fewer residuals than unknowns. Whether it
-/// is one.
+/// Keeps J_g^T in F and r_g in residual, for finishRows(). Applies to a group without private blocks that has fewer
+/// residuals than unknowns; returns whether g is one.
 bool ClusterScores::keepRows(int g) {
   const JacobianRows& rows = linearized_.rows();
   ClusterFactor& factor = factors_[at(g)];
@@ -314,7 +314,8 @@ void ClusterScores::addInverses(int most_columns) {
   });
 }
 
-/// Fills C of these groups, column by column of H^-1; where that takes too many, the groups with the most unknowns get none.
+/// Fills in C of these groups, column by column of H^-1. If that takes too many columns, the groups with the most
+/// unknowns get no leverage.
 void ClusterScores::addColumns(const std::vector<int>& groups, std::vector<MatrixXd>& inverses,
                                int most_columns) {
   const BlockStructure& structure = linearized_.structure().system;
@@ -324,7 +325,7 @@ void ClusterScores::addColumns(const std::vector<int>& groups, std::vector<Matri
     return factors_[at(groups[at(a)])].unknowns() < factors_[at(groups[at(b)])].unknowns();
   });
   std::map<int, std::vector<std::pair<int, int>>>
-      users;  // by block: groups (their places here), and its place in them
+      users;  // by block: its groups (index here) and its index in each
   int columns = 0;
   for (const int k : order) {
     const int g = groups[at(k)];
@@ -350,7 +351,7 @@ void ClusterScores::addColumns(const std::vector<int>& groups, std::vector<Matri
   }
 }
 
-/// F, lambda and E^T r from J_g, r_g and C: E are the eigenvectors of J_g C J_g^T.
+/// Computes F, lambda and E^T r from J_g, r_g and C. E are the eigenvectors of J_g C J_g^T.
 void ClusterScores::finishRows(ClusterFactor& factor, const MatrixXd& C) {
   const MatrixXd H = factor.F.transpose() * C * factor.F;
   const SymmetricEigen eigen = eigenOf((H + H.transpose()) / 2);
@@ -363,7 +364,8 @@ void ClusterScores::finishRows(ClusterFactor& factor, const MatrixXd& C) {
   factor.leverage = eigen.eigenvalues().tail(rank).cwiseMin(1);
 }
 
-/// F, lambda and E^T r from N, J~^T r and C, with C = K K^T: K^T N K = U diag(lambda) U^T and E = J~ K U diag(lambda)^(-1/2).
+/// Computes F, lambda and E^T r from N, J~^T r and C. With C = K K^T: K^T N K = U diag(lambda) U^T and E = J~ K U
+/// diag(lambda)^(-1/2).
 void ClusterScores::finish(int g, const MatrixXd& C) {
   ClusterFactor& factor = factors_[at(g)];
   if (factor.unknowns() == 0) return;

@@ -15,11 +15,11 @@
 namespace slom {
 
 namespace {
-constexpr double kSaidShare = 0.01;   // of the stated variance, from which on a note says that it is stated
-constexpr double kWorthLittle = 10;   // independent groups, below which a note says so
-constexpr double kAloneShare = 1e-6;  // of the stated variance of a component that a group determines alone
+constexpr double kSaidShare = 0.01;   // fraction of the stated variance from which on a note reports it
+constexpr double kWorthLittle = 10;   // number of independent groups below which a note is given
+constexpr double kAloneShare = 1e-6;  // fraction of a stated variance determined by one group alone
 
-/// Sentences on variables whose variance is, in part, as stated, or too small.
+/// Sentences about variables whose variance is partly taken as stated, or too small.
 class VariableNotes {
  public:
   void add(Clustered::State& state, int variable, const Clustered::State::Covariance& covariance) {
@@ -43,7 +43,7 @@ class VariableNotes {
       growing_.push_back(name + " with blocks of " + std::to_string(1 << state.choice(variable).level) +
                          " groups");
   }
-  /// The notes on everything, and these after them.
+  /// Returns `notes`, followed by the notes on variables.
   std::vector<std::string> after(std::vector<std::string> notes) const {
     const auto say = [&](const char* sentence, const std::vector<std::string>& of) {
       if (!of.empty()) notes.push_back(sentence + listed(of, 8));
@@ -65,7 +65,7 @@ class VariableNotes {
   }
 
  private:
-  /// What groups are worth whose neighbours are alike, where that is little.
+  /// Reports components whose groups are worth few independent ones, because neighbours are correlated.
   void addWorth(const Clustered::State& state, const std::vector<std::string>& components,
                 const Eigen::VectorXd& correlation) {
     for (Eigen::Index i = 0; i < correlation.size(); ++i) {

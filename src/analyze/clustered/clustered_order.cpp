@@ -1,4 +1,4 @@
-// Variances where groups follow each other and neighbours may share errors.
+// Variances for ordered groups, whose neighbours may share errors.
 #include <algorithm>
 #include <cmath>
 
@@ -14,10 +14,10 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kFewestBlocks = 8;      // of successive groups
-constexpr int kFewestForBlocks = 32;  // groups, below which there are too few blocks to choose their length
-constexpr int kMostForSeries = 100;   // groups, above which blocks do without an assumption on correlations
-constexpr double kCompared = 0.05;    // the wider of two intervals of this probability to miss is taken
+constexpr int kFewestBlocks = 8;      // number of blocks of successive groups
+constexpr int kFewestForBlocks = 32;  // number of groups below which the length of blocks cannot be chosen
+constexpr int kMostForSeries = 100;   // number of groups above which blocks suffice, without a model
+constexpr double kCompared = 0.05;    // the wider of two intervals with this probability to miss is taken
 
 }  // namespace
 
@@ -40,9 +40,9 @@ const Clustered::State::Choice& Clustered::State::choice(int variable) {
   return choices.emplace(variable, std::move(result)).first->second;
 }
 
-/// Blocks of 1, 2, 4, ... groups until the variance grows by less than it is uncertain, a standard deviation sqrt(2 / dof) of it. What
-/// blocks of length b leave out is of order 1 / b, so that 2 V(2 b) - V(b) leaves out less.
-/// With V(b) from the halves of the blocks of V(2 b), the extrapolation has the variance 5 / dof where V(2 b) has 2 / dof.
+/// Tries blocks of 1, 2, 4, ... groups until the variance grows by less than its standard deviation, sqrt(2 / dof)
+/// times the variance. Blocks of length b miss a part of order 1 / b, so 2 V(2 b) - V(b) misses less. If V(b) comes
+/// from the halves of the blocks of V(2 b), the extrapolation has the variance 5 / dof, and V(2 b) has 2 / dof.
 ///   source   Flegal and Jones 2010; Politis and Romano 1995 for the extrapolation
 void Clustered::State::chooseBlocks(int variable, Choice& result) {
   VectorXd before = covarianceAt(0, {variable}).C.diagonal(), largest = before;
@@ -68,8 +68,8 @@ void Clustered::State::chooseBlocks(int variable, Choice& result) {
   }
 }
 
-/// The variance of the sum of what groups contribute, as a series of which successive numbers are alike; the larger interval of that and of
-/// what has been chosen already counts, by component.
+/// Computes the variance of the sum of the groups' contributions, as a series with correlated neighbours. For each
+/// component, the wider of this interval and the one chosen before counts.
 void Clustered::State::chooseAutoregression(int variable, Choice& result) {
   const VectorXd all = covarianceAt(0, {variable}).C.diagonal(), dof = degreesOfFreedom(variable, 0);
   const ClusterScores& scores = level(0).terms[0].scores;

@@ -18,15 +18,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kFewGroups = 10;
-constexpr int kFewInSeries = 60;        // of which neighbours may share errors
-constexpr std::size_t kMostRecent = 8;  // variables whose columns are kept
-constexpr double kNoShare = 1e-6;       // of the stated variance: rounding
+constexpr int kFewInSeries = 60;        // number of groups whose neighbours may share errors
+constexpr std::size_t kMostRecent = 8;  // number of variables whose columns are kept
+constexpr double kNoShare = 1e-6;       // fraction of the stated variance that is rounding
 constexpr int kMostWays = 4;
 constexpr double kRoundedVariance = 1e-9;  // relative difference of variances that is rounding
 constexpr double kLeverageMatters = 1.2;   // ratio of the standard deviations by cr3 and cr2
 constexpr double kLeverageMattersInOrder = 1.5;
 
-/// The ways of grouping that are meant where none is named.
+/// Returns the default ways of grouping, if the user names none.
 std::vector<ClusterBy> usualWays(const Problem& problem) {
   const GroupTable* const groups = problem.groups();
   if (groups == nullptr || groups->find("") >= 0 || groups->dimensionCount() != 1) return {ClusterBy("")};
@@ -42,7 +42,8 @@ void checkWay(const Clustering& way) {
               way.way);
 }
 
-/// Makes C positive semidefinite by setting its negative eigenvalues, in units of `scale`, to 0. Whether there were any.
+/// Makes C positive semidefinite: sets its negative eigenvalues, in units of `scale`, to 0. Returns whether there were
+/// any.
 ///   source   Cameron, Gelbach and Miller 2011, section 2.3
 bool makeSemidefinite(MatrixXd& C, const VectorXd& scale) {
   const VectorXd inverse = scale.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
@@ -87,7 +88,7 @@ Clustered::State::State(const std::shared_ptr<const LinearizedProblem>& problem,
 
 const LinearizedProblem& Clustered::State::problem() const {
   const std::shared_ptr<const LinearizedProblem> now = linearized.lock();
-  if (now != nullptr && now->isCurrent()) return *now;  // the estimator keeps it
+  if (now != nullptr && now->isCurrent()) return *now;  // the estimator keeps it alive
   throw Error("slom.stale-clustered",
               "the clustered covariances belong to a fit that has changed or is gone; call clustered() again",
               "Clustered");
@@ -148,8 +149,8 @@ MatrixXd Clustered::State::refitted(const std::vector<int>& variables) const {
   return result;
 }
 
-/// Of term k at level l. A block of successive groups has a large leverage without any single group having one, so that the groups themselves
-/// decide.
+/// Returns the scores of term k at level l that choose its correction. A block of successive groups has a large
+/// leverage even if no single group has one, so the single groups decide.
 const ClusterScores& Clustered::State::scoresOfGroups(int l, std::size_t k) {
   const Level& single = level(0);
   return single.terms.size() == level(l).terms.size() ? single.terms[k].scores : level(l).terms[k].scores;
@@ -164,7 +165,7 @@ ClusterCorrection Clustered::State::correctionFor(const ClusterScores& scores, c
   const auto isWider = [&](const auto& wide, const auto& usual) {
     return factor * wide.sum() > limit * limit * usual.sum();
   };
-  // Both as it is and as leverages let expect: the residuals of the group that carries a value may happen to be small.
+  // Residuals of a dominant group may be small by chance, so expected squares count as well as actual ones.
   const MatrixXd usual = scores.effects(Z, ClusterCorrection::cr2).cwiseAbs2(),
                  wide = scores.effects(Z, ClusterCorrection::cr3).cwiseAbs2(),
                  usual_expected = scores.expectedSquares(Z, ClusterCorrection::cr2),
@@ -192,7 +193,7 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
     Z.middleCols(column, own.cols()) = own;
     column += own.cols();
   }
-  // Z^T H Z, the stated covariance; times() adds the rows by which components do not move, where Z is 0.
+  // The stated covariance is Z^T H Z. times() adds the rows that hold components, in which Z is 0.
   const MatrixXd image = all.times(Z);
   stated = image.transpose() * image;
   Covariance result;
@@ -200,7 +201,7 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
   result.stated_share = VectorXd::Zero(n);
   result.carriers.resize(at(n));
   MatrixXd as_stated = MatrixXd::Zero(n, n);
-  VectorXd largest = VectorXd::Zero(n), scale = largest;  // of single ways, and of all
+  VectorXd largest = VectorXd::Zero(n), scale = largest;  // over single ways, and over all terms
   for (std::size_t k = 0; k < level(l).terms.size(); ++k) {
     const Term& term = level(l).terms[k];
     const ClusterCorrection correction =
@@ -228,7 +229,8 @@ Clustered::State::Covariance Clustered::State::covarianceAt(int l, const std::ve
   result.C = ((result.C + result.C.transpose()) / 2).eval();
   if (level(l).terms.size() > 1) {
     result.was_indefinite = makeSemidefinite(result.C, scale);
-    // Errors that one way groups are dependent by all ways together, too; with few groups the difference may say less.
+    // Errors that are dependent by one way are dependent by all ways together too. With few groups, the difference may
+    // come out smaller.
     for (Index i = 0; i < n; ++i) {
       if (!(result.C(i, i) < largest[i] * (1 - kRoundedVariance))) continue;
       result.C(i, i) = largest[i];

@@ -1,4 +1,4 @@
-// What clustered covariances add to other reports: tests of groups, and a column of the summary's table.
+// Clustered covariances in other reports: tests of groups, and a column of the summary's table.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -17,17 +17,17 @@ namespace slom {
 
 namespace {
 
-/// Degrees of freedom of a scale that is a median, for each group: the efficiency of the median of absolute deviations.
+/// Efficiency of the median of absolute deviations: degrees of freedom, for each group, of a scale that is a median.
 ///   source   Huber and Ronchetti, "Robust statistics", 2009, section 5.1
 constexpr double kMedianEfficiency = 0.37;
-constexpr double kSignTest = 1.645;  // standard deviations of a number of signs: 5 %
+constexpr double kSignTest = 1.645;  // in standard deviations of the number of signs: 5 %
 
-/// The statistic over the median of its chi-square distribution.
+/// Returns the statistic over the median of its chi-square distribution.
 double ratioOf(const ClusterCheck& check) { return check.statistic / chiSquareCritical(0.5, check.dof); }
 
 struct TypicalGroup {
   double ratio = 1;
-  int groups = 0, above = 0;  // with a statistic, and with one above its median
+  int groups = 0, above = 0;  // number with a statistic, and number with one above its median
 };
 
 TypicalGroup typicalGroup(const std::vector<ClusterCheck>& checks) {
@@ -46,8 +46,8 @@ TypicalGroup typicalGroup(const std::vector<ClusterCheck>& checks) {
   return result;
 }
 
-/// Of such a statistic among groups that are as different as half of these are: it may be that all differ in one direction alone, so
-/// that statistics are squares of one normal number each, and their scale is known from a median.
+/// Returns the p-value of the statistic among groups with the scale of their median. Groups may all differ in one
+/// direction only. So each statistic counts as the square of one normal number, with a scale known from a median.
 double probabilityAmong(const TypicalGroup& typical, const ClusterCheck& check) {
   const double square = ratioOf(check) / typical.ratio * chiSquareCritical(0.5, 1);
   return studentProbability(std::sqrt(square), std::max(1.0, kMedianEfficiency * typical.groups));

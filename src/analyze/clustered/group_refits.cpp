@@ -9,13 +9,14 @@ namespace slom {
 
 namespace {
 
-/// Leaves out a group as long as it lives: its measurements have no weight, and variables that no other measurement depends on are fixed.
+/// A guard that leaves out a group during its lifetime. The group's measurements have no weight. Variables that no
+/// other measurement depends on are fixed.
 class WithoutGroup {
  public:
   WithoutGroup(Problem& problem, const Clustering& way, int group, ValueSnapshot& start)
       : problem_(problem), start_(start), active_(problem.activeSet()) {
     std::vector<std::vector<char>> is_withheld;
-    std::vector<char> is_seen(problem.variables().size(), 0);  // by other measurements
+    std::vector<char> is_seen(problem.variables().size(), 0);  // true: another measurement depends on it
     for (std::size_t p = 0; p < way.of_pool.size(); ++p) {
       const MeasurementPool& pool = *problem.pools()[p];
       std::vector<char>& own = is_withheld.emplace_back(way.of_pool[p].size(), 0);
@@ -46,7 +47,7 @@ class WithoutGroup {
  private:
   Problem& problem_;
   ValueSnapshot& start_;
-  ActiveSet active_;  // as it was
+  ActiveSet active_;  // before this guard
   std::vector<int> alone_;
   std::vector<MeasurementPool::SavedNoise> noise_;
 };
@@ -55,7 +56,7 @@ class WithoutGroup {
 
 GroupRefits refitWithoutGroups(Problem& problem, const ProblemStructure& structure, const Clustering& way,
                                const std::function<bool()>& fit) {
-  const std::vector<int> offset = structure.system.offset;  // fits without a group have others
+  const std::vector<int> offset = structure.system.offset;  // a copy: fits without a group have other offsets
   GroupRefits result{
       Eigen::MatrixXd::Constant(way.count(), offset.back(), std::numeric_limits<double>::quiet_NaN()), {}};
   ValueSnapshot start(problem);

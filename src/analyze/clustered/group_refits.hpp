@@ -12,13 +12,14 @@
 
 namespace slom {
 
-/// How far values move without each group.
+/// Movement of the values without each group.
 struct GroupRefits {
-  Eigen::MatrixXd change;           ///< groups x unknowns; NaN where the others do not determine the value
+  Eigen::MatrixXd change;           ///< groups x unknowns; NaN if the other groups do not determine the value
   std::vector<std::string> failed;  ///< groups without which the fit does not converge; their rows are NaN
 };
 
-/// `fit` fits from the current values, and says whether that has converged. Values, noise and what is fixed are as before when this returns or throws.
+/// Fits without each group. `fit` fits from the current values and returns whether it converged. Values, noise and
+/// fixed variables are restored, also if this function throws.
 GroupRefits refitWithoutGroups(Problem& problem, const ProblemStructure& structure, const Clustering& way,
                                const std::function<bool()>& fit);
 

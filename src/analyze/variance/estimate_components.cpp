@@ -18,24 +18,24 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kNoRedundancy = 1e-6;  // share of a component's residuals
+constexpr double kNoRedundancy = 1e-6;  // fraction of a component's residuals
 constexpr double kRoundedComponent =
-    1e-20;                             // theta: standard deviations 1e-10 times the stated ones are rounding
-constexpr double kNoOwnError = 1e-12;  // theta over the largest one
+    1e-20;                             // theta; standard deviations 1e-10 times the stated ones are rounding
+constexpr double kNoOwnError = 1e-12;  // theta over the largest theta
 constexpr double kNoSharedError = 1e-8;  // theta over that of the measurements' own errors
 constexpr double kLeastDistinct = 1e-8;  // least eigenvalue of the correlation matrix of the components
-constexpr double kLeastDistinctByProbes = 0.02;  // the same where S is estimated
-constexpr double kInvolvedEntry = 0.1;  // entry of its eigenvector from which on a component belongs to it
-constexpr double kMostGrowth = 5;       // of theta in one iteration, and 1 / that
-constexpr int kLookAtZero = 20;         // iterations between looks at shared errors that may be 0
-constexpr double kSmallSharedError = 1e-4;  // theta there, over that of the measurements' own errors
-constexpr int kMostScoring = 50;  // iterations by scoring; later ones are by a step that never goes down
-constexpr double kFarMove = 1;    // standard deviations that values move by, from which on a note is due
+constexpr double kLeastDistinctByProbes = 0.02;  // likewise, if S is estimated
+constexpr double kInvolvedEntry = 0.1;  // least entry of an eigenvector for a component that belongs to it
+constexpr double kMostGrowth = 5;       // largest factor of theta in one iteration; the smallest is 1 / 5
+constexpr int kLookAtZero = 20;         // iterations between tests of shared errors that may be 0
+constexpr double kSmallSharedError = 1e-4;  // theta in that test, over that of the measurements' own errors
+constexpr int kMostScoring = 50;  // iterations by scoring; later steps never decrease the likelihood
+constexpr double kFarMove = 1;    // movement of values in standard deviations from which on a note is given
 
-/// A component of the model, and the components asked for that it stands for.
+/// A component of the model, and the requested components that it represents.
 struct Unknown {
-  std::vector<int> kinds;  // more than one: they cannot be told apart
-  int shared = -1;         // or a shared error
+  std::vector<int> kinds;  // several if they cannot be told apart
+  int shared = -1;         // or the index of a shared error
 };
 
 class ComponentEstimation {
@@ -88,7 +88,7 @@ class ComponentEstimation {
     return listed(names, 8);
   }
 
-  /// A model of the unknowns that are left: kinds, then shared errors.
+  /// Makes a model of the remaining unknowns: kinds, then shared errors.
   VarianceModel makeModel() const {
     std::vector<int> number(kinds_.names.size(), -1);
     std::vector<SharedTerm> shared;
@@ -105,7 +105,7 @@ class ComponentEstimation {
     return {linearized_, gauge_, std::move(of_pool), std::move(shared), n};
   }
 
-  /// Takes unknown u out: its variance stays as stated, or 0 for a shared error.
+  /// Removes unknown u: its variance stays as stated, or becomes 0 for a shared error.
   void keep(std::size_t u, const std::string& reason) {
     const Unknown unknown = unknowns_[u];
     const auto say = [&](int c) {
@@ -119,7 +119,8 @@ class ComponentEstimation {
     unknowns_.erase(unknowns_.begin() + static_cast<std::ptrdiff_t>(u));
   }
 
-  /// Whether all unknowns have redundancy; keeps one that has none. Where it had some at first, its variance has gone to 0.
+  /// Returns whether all unknowns have redundancy; otherwise removes one without. If that one had some at first, its
+  /// variance has gone to 0.
   bool haveRedundancy(const VarianceModel& model, const VarianceModel::Evaluation& now, bool is_first) {
     for (std::size_t u = unknowns_.size(); u-- > 0;) {
       const Index k = static_cast<Index>(u);
@@ -137,13 +138,14 @@ class ComponentEstimation {
     return true;
   }
 
-  /// Takes unknown u out, whose variance went to 0.
+  /// Removes unknown u, whose variance went to 0.
   void keepZero(std::size_t u) {
     keep(u, unknowns_[u].shared >= 0 ? "the estimate is 0: no shared error is seen"
                                      : "the estimate is 0: its residuals are 0, or too few");
   }
 
-  /// Whether the information tells all unknowns apart; otherwise those of the least eigenvalue become one, or shared errors among them go.
+  /// Returns whether the information tells all unknowns apart. Otherwise the unknowns of the least eigenvalue are
+  /// joined; if a shared error is among them, the last one is removed instead.
   bool canBeToldApart(const VarianceModel& model, const MatrixXd& S) {
     if (unknowns_.size() < 2) return true;
     const VectorXd scale = S.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -173,7 +175,7 @@ class ComponentEstimation {
     return false;
   }
 
-  /// The variance of the errors that measurements with this shared error have of their own.
+  /// Returns the variance of the own errors of measurements with this shared error.
   double ownVariance(const Unknown& shared, const VectorXd& theta) const {
     const int kind = kinds_.shared_kind[at(shared.shared)];
     for (std::size_t u = 0; u < unknowns_.size(); ++u) {
@@ -183,14 +185,14 @@ class ComponentEstimation {
     return 1;
   }
 
-  /// chi-square / dof of all residuals, from which the iteration starts.
+  /// Returns chi-square / dof of all residuals, the start of the iteration.
   double commonVariance() const {
     const double redundancy = linearized_.structure().residuals - linearized_.freeUnknowns();
     const double result = linearized_.rss() / std::max(1.0, redundancy);
     return result > kRoundedComponent ? result : 1;
   }
 
-  /// Whether no variance went to 0; keeps those that did.
+  /// Returns whether no variance went to 0; otherwise removes one that did.
   bool haveErrors(const VectorXd& theta) {
     const double least = std::max(kRoundedComponent, kNoOwnError * theta.maxCoeff());
     for (std::size_t u = unknowns_.size(); u-- > 0;) {
@@ -204,9 +206,10 @@ class ComponentEstimation {
     return true;
   }
 
-  /// theta_new / theta: scoring, S (x - 1) = q - redundancy, within limits; late in the iteration sqrt(q / redundancy), by which the
-  /// restricted likelihood never falls.
-  ///   source   Patterson and Thompson 1971; Zhou, Hu, Zhou and Lange, "MM algorithms for variance components models", 2019
+  /// Returns theta_new / theta. It is a step of scoring, S (x - 1) = q - redundancy, within limits. Late in the
+  /// iteration it is sqrt(q / redundancy), which never decreases the restricted likelihood.
+  ///   source   Patterson and Thompson 1971; Zhou, Hu, Zhou and Lange, "MM algorithms for variance components models",
+  ///            2019
   static VectorXd growth(const VarianceModel::Evaluation& now, int iteration) {
     const VectorXd safe = (now.square.array() / now.redundancy.array().max(1e-300)).sqrt();
     if (iteration > kMostScoring) return safe;
@@ -216,7 +219,7 @@ class ComponentEstimation {
     return x.cwiseMin(kMostGrowth).cwiseMax(1 / kMostGrowth);
   }
 
-  /// Whether the likelihood of a shared error that is hardly seen still rises towards 0; takes it out.
+  /// Returns whether the likelihood of a barely visible shared error still rises towards 0. Removes such an error.
   bool dropsToZero(VarianceModel& model, const VectorXd& theta) {
     for (std::size_t u = unknowns_.size(); u-- > 0;) {
       const Index k = static_cast<Index>(u);
@@ -232,7 +235,7 @@ class ComponentEstimation {
     return false;
   }
 
-  /// One iteration to the end; false: the set of unknowns has changed, and it begins anew.
+  /// Iterates to the end. Returns false if the set of unknowns has changed; then the iteration starts anew.
   bool iterate() {
     VarianceModel model = makeModel();
     VectorXd theta = VectorXd::Constant(model.components(), commonVariance());
@@ -315,7 +318,7 @@ class ComponentEstimation {
   const VarianceOptions& options_;
   VarianceKinds kinds_;
   std::vector<Unknown> unknowns_;
-  std::map<int, int> component_of_;  // of the last model, by component
+  std::map<int, int> component_of_;  // index in the last model, by component
   VarianceComponents result_;
 };
 

@@ -6,15 +6,15 @@
 
 namespace slom {
 
-/// The measurements that a factor is for.
+/// The measurements of each component.
 struct [[gnu::visibility(
     "hidden")]] VarianceComponents::Assignment {  // declared in a public header, not exported
   const Problem* problem = nullptr;
   std::uint64_t structure_revision = 0;
-  std::vector<std::vector<int>> of_pool;  ///< by pool and measurement: its component, -1: none
+  std::vector<std::vector<int>> of_pool;  ///< by pool and measurement: its component; -1: none
 };
 
-/// Throws what varianceComponents() throws, but for [slom.not-a-minimum].
+/// Estimates the components. Throws as varianceComponents() does, except for [slom.not-a-minimum].
 VarianceComponents estimateComponents(const LinearizedProblem& linearized, FreeGauge gauge,
                                       const VarianceOptions& options);
 

@@ -10,19 +10,20 @@ namespace {
 using Eigen::Index;
 
 constexpr double kMostCorrelation = 0.95;
-/// Degrees of freedom are n / (kLoss + kLossByCorrelation (tau - 1)), tau = (1 + rho) / (1 - rho): chosen in simulations so that
-/// intervals hold (docs/decisions/clustered_uncertainty.md); for many numbers the variance of rho alone would give 3 and 2.
+/// Constants of the degrees of freedom n / (kLoss + kLossByCorrelation (tau - 1)), tau = (1 + rho) / (1 - rho). They
+/// were chosen in simulations so that intervals hold (docs/decisions/clustered_uncertainty.md). For many numbers the
+/// variance of rho alone would give 3 and 2.
 constexpr double kLoss = 1.5, kLossByCorrelation = 4;
 
-/// What to expect of n numbers with this correlation and variance 1 when their mean has been taken out.
+/// Expectations for n numbers with this correlation and variance 1, after their mean was subtracted.
 struct Expectation {
   double of_sum = 1;      // variance of the sum over n
   double square = 0;      // mean square, times n
-  double successive = 0;  // sum of products of successive ones
+  double successive = 0;  // sum of products of successive numbers
 
   Expectation(double rho, Index n) {
     const auto count = static_cast<double>(n);
-    // Row sums of rho^|i - j|, over n.
+    // Row i gets the row sum of rho^|i - j|, over n.
     const auto row = [&](Index i) {
       if (rho == 0) return 1 / count;
       return ((1 - std::pow(rho, static_cast<double>(i + 1))) / (1 - rho) +

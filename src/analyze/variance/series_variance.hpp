@@ -1,4 +1,4 @@
-/// The variance of the sum of a series whose successive numbers are alike.
+/// Variance of the sum of a series with correlated neighbours.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,10 +11,12 @@ struct SeriesVariance {
   double dof = 0;          ///< degrees of freedom of the estimate
 };
 
-/// Of an autoregressive series of first order whose mean has been taken out, as a fit takes it out of the contributions of groups: rho is the one
-/// of which the observed correlation, too small by that, is the mean. Better than blocks where there are few numbers.
-///   source   Andrews and Monahan, "An improved heteroskedasticity and autocorrelation consistent covariance matrix estimator", 1992, for the
-///            autoregression; Kendall, "Note on bias in the estimation of autocorrelation", 1954, for the bias
+/// Estimates the variance from an autoregressive series of first order with its mean subtracted. A fit subtracts the
+/// mean from the contributions of groups in the same way, which lowers the observed correlation. The estimate is the
+/// rho whose expected observed correlation is the observed one. For few numbers this is better than blocks.
+///   source   Andrews and Monahan, "An improved heteroskedasticity and autocorrelation consistent covariance matrix
+///            estimator", 1992, for the autoregression; Kendall, "Note on bias in the estimation of autocorrelation",
+///            1954, for the bias
 SeriesVariance seriesVariance(const Eigen::VectorXd& series);
 
 }  // namespace slom

@@ -1,4 +1,4 @@
-// What residuals say of variance components: the information on their logarithms.
+// Information on the logarithms of variance components.
 #include <random>
 
 #include "analyze/variance/variance_model.hpp"
@@ -13,19 +13,19 @@ using Eigen::MatrixXd;
 
 constexpr int kMostExactUnknowns = 400;  // for S: dense matrices of that size, one for each component
 constexpr int kSigns = 64;               // probes of Hutchinson's estimator beyond
-constexpr int kRoughSigns = 16;          // of S that only directs a step
+constexpr int kRoughSigns = 16;          // for an S that only directs a step
 
 }  // namespace
 
 bool VarianceModel::isExact() const { return structure_.unknowns() <= kMostExactUnknowns; }
 
-/// |(I - H)_kl|^2 = delta_kl (n_k - 2 tr H_kk) + |H_kl|^2.
+/// Adds the information |(I - H)_kl|^2 = delta_kl (n_k - 2 tr H_kk) + |H_kl|^2.
 void VarianceModel::addInformation(Evaluation& result, bool is_rough) {
   result.S = isExact() ? squaredLeverages() : squaredLeveragesByProbes(is_rough ? kRoughSigns : kSigns);
   result.S.diagonal() += 2 * result.redundancy - residuals_;
 }
 
-/// |H_kl|^2 = tr(N_k C N_l C), N_k the part of component k of J^T J.
+/// Returns |H_kl|^2 = tr(N_k C N_l C). N_k is the part of J^T J from component k.
 MatrixXd VarianceModel::squaredLeverages() {
   const int unknowns = structure_.unknowns(), n = components();
   std::vector<MatrixXd> NC(at(n), MatrixXd::Zero(unknowns, unknowns));
@@ -48,8 +48,9 @@ MatrixXd VarianceModel::squaredLeverages() {
   return result;
 }
 
-/// The mean of |J_k C J_l^T w|^2 over random signs w, for one l after the other.
-///   source   Hutchinson, "A stochastic estimator of the trace of the influence matrix for Laplacian smoothing splines", 1990
+/// Returns the mean of |J_k C J_l^T w|^2 over random signs w, for one l after the other.
+///   source   Hutchinson, "A stochastic estimator of the trace of the influence matrix for Laplacian smoothing
+///            splines", 1990
 MatrixXd VarianceModel::squaredLeveragesByProbes(int count) {
   const int n = components();
   std::mt19937 engine(1);

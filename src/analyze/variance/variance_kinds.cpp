@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSamePlace = 1e-9;  // distance over correlation length
 
-/// Labels, or types of measurements without one: the rows of a summary's table.
+/// Groups measurements by label, or by type if they have none, as in the rows of a summary's table.
 Clustering byPool(const Problem& problem) {
   Clustering result;
   result.way = "kind";
@@ -30,7 +30,7 @@ Clustering byPool(const Problem& problem) {
   return result;
 }
 
-/// Whether measurements of this pool state what is known beforehand.
+/// Returns whether measurements of this pool are priors.
 bool isPrior(const MeasurementPool& pool) {
   return pool.label() == "prior" || pool.label() == "position prior" || pool.type().states_noise;
 }
@@ -64,7 +64,7 @@ void requireNoLosses(const MeasurementPool& pool, const std::string& kind) {
               kind);
 }
 
-/// The groups of one shared error: those of the measurements of its kind.
+/// Returns the groups of one shared error: those of the measurements of its kind.
 SharedTerm makeSharedTerm(const Problem& problem, const Clustering& kinds, const SharedError& error) {
   const auto found = std::find(kinds.names.begin(), kinds.names.end(), error.kind);
   if (found == kinds.names.end()) {
@@ -118,7 +118,7 @@ void requireLength(const SharedError& error) {
               error.kind);
 }
 
-/// The place of measurement i of pool p.
+/// Returns the place of measurement i of pool p.
 double placeIn(const Problem& problem, const SharedError& error, std::size_t p, int i) {
   const double place = error.place(ClusterItem(problem, *problem.pools()[p], i));
   if (std::isfinite(place)) return place;
@@ -147,7 +147,7 @@ void splitByPlace(const Problem& problem, const SharedError& error, SharedTerm& 
   for (auto& [key, state] : states) {
     const double t = (key.second - place) / error.length;
     const bool is_first = key.first != group;
-    if (is_first || t > kSamePlace) {  // rounding apart, they are one place
+    if (is_first || t > kSamePlace) {  // places that differ by rounding are one
       term.previous.push_back(is_first ? -1 : static_cast<int>(names.size()) - 1);
       term.distance.push_back(is_first ? 0 : t);
       names.push_back(term.groups.names[at(key.first)]);

@@ -1,4 +1,4 @@
-/// Which measurements have which variance component.
+/// Variance components of measurements.
 #pragma once
 
 #include <string>
@@ -9,18 +9,18 @@
 
 namespace slom {
 
-/// The components as options ask for them, before anything is known of the residuals.
+/// The components requested by the options, before residuals are evaluated.
 struct VarianceKinds {
   std::vector<std::string> names;         ///< of the kinds that are estimated
-  std::vector<std::vector<int>> of_pool;  ///< by pool and measurement: its kind, -1: as stated
+  std::vector<std::vector<int>> of_pool;  ///< by pool and measurement: its kind; -1: as stated
   std::vector<SharedTerm> shared;         ///< as in VarianceOptions
   std::vector<std::string> shared_names;  ///< `tape, shared by day`
-  std::vector<int> shared_kind;           ///< the kind that has the error, -1: one that is not estimated
+  std::vector<int> shared_kind;           ///< the kind that has the error; -1: a kind that is not estimated
   std::vector<std::string> kept;          ///< names of the kinds that are not estimated
   std::vector<int> measurements;          ///< by kind
 };
 
-/// Throws [slom.no-groups], [slom.bad-group], [slom.no-component] or [slom.components-with-loss].
+/// Makes the components. Throws [slom.no-groups], [slom.bad-group], [slom.no-component] or [slom.components-with-loss].
 VarianceKinds makeVarianceKinds(const Problem& problem, const VarianceOptions& options);
 
 }  // namespace slom

@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLeverageAccuracy = 1e-6;  // of the sum of all leverages, which is the number of unknowns
+constexpr double kLeverageAccuracy = 1e-6;  // relative to the sum of all leverages, the number of unknowns
 constexpr int kRowsPerTask = 256;
 
 }  // namespace
@@ -48,7 +48,8 @@ VarianceModel::VarianceModel(const LinearizedProblem& linearized, FreeGauge gaug
   solver_->analyze(structure_);
 }
 
-/// The blocks of the problem, one for each group of each shared error, and groups of rows: those of the problem, the shared errors' own, the datum.
+/// Makes the structure. Blocks: those of the problem, and one for each group of each shared error. Groups of rows:
+/// those of the problem, those of the shared errors themselves, and the datum.
 void VarianceModel::makeStructure() {
   structure_ = linearized_.structure().system;
   for (const SharedTerm& term : shared_) {
@@ -83,7 +84,7 @@ void VarianceModel::makeStructure() {
   structure_.groups.push_back(std::move(datum));
 }
 
-/// The rows of the problem, each with an identity for its shared errors, and 0 = b.
+/// Adds the rows of the problem, each with an identity for its shared errors, and the rows 0 = b.
 void VarianceModel::addRows() {
   const JacobianRows& from = linearized_.rows();
   const std::vector<MeasurementGroup>& before = linearized_.structure().system.groups;
@@ -117,7 +118,8 @@ void VarianceModel::addRows() {
   addSharedRows();
 }
 
-/// 0 = b or, along a chain, 0 = (b - a b') / sqrt(1 - a^2) with b' of the place before and a = exp(-distance).
+/// Adds 0 = b or, along a chain, 0 = (b - a b') / sqrt(1 - a^2). b' belongs to the previous place, and a =
+/// exp(-distance).
 void VarianceModel::addSharedRows() {
   for (std::size_t s = 0; s < shared_.size(); ++s) {
     const SharedTerm& term = shared_[s];
@@ -137,7 +139,7 @@ void VarianceModel::addSharedRows() {
   }
 }
 
-/// Rows that keep a free gauge: they change no residual, and so no leverage.
+/// Adds rows that fix a free gauge. They change no residual and so no leverage.
 void VarianceModel::addDatum() {
   if (gauge_ != FreeGauge::inner_constraints) return;
   const VectorXd damping = FreeNetwork(linearized_).damping();
@@ -176,7 +178,7 @@ bool VarianceModel::solve() {
   return true;
 }
 
-/// Squares of residuals and redundancies; returns the sum of all leverages.
+/// Adds squares of residuals, and redundancies. Returns the sum of all leverages.
 double VarianceModel::addLeverages(Evaluation& result) const {
   const int n = components();
   result.square = VectorXd::Zero(n);
@@ -234,8 +236,9 @@ VarianceModel::Evaluation VarianceModel::evaluate(const VectorXd& theta, bool is
   return result;
 }
 
-/// The mean, over b given the data, of the derivative of the log-density of b: with u = b - a b', w = 1 - a^2 and a' = a t, t the distance over the
-/// length, it is d a a' / w + a' u b' / (theta w) - a a' |u|^2 / (theta w^2) for each place with one before it, d its dimension.
+/// Returns the mean, over b given the data, of the derivative of the log-density of b by the logarithm of the length.
+/// Let u = b - a b', w = 1 - a^2 and a' = a t, with t the distance over the length and d the dimension of b. Each place
+/// with a previous one contributes d a a' / w + a' u b' / (theta w) - a a' |u|^2 / (theta w^2).
 double VarianceModel::lengthSlope(int s) const {
   const SharedTerm& term = shared_[at(s)];
   const MeasurementGroup& own = structure_.groups[original_groups_ + at(s)];

@@ -1,4 +1,4 @@
-// In place of bzip2_libbz2.cpp where libbz2 was not found.
+// Replacement of bzip2_libbz2.cpp for builds without libbz2.
 #include <fmt/format.h>
 
 #include "io/fault.hpp"

@@ -16,11 +16,11 @@ namespace bal {
 
 namespace {
 
-/// A scene shrinks to a quarter. A small file that is made to fill the memory unpacks to a million times its
-/// size.
+/// Limits of unpacking. A scene shrinks to a quarter. A small file made to fill the memory unpacks to a million times
+/// its size.
 constexpr std::size_t always_allowed = std::size_t{16} << 20, most_ratio = 100;
 
-/// Takes one compressed stream after the other off its input; some programs write a file as several.
+/// A decompressor of consecutive compressed streams: some programs write a file as several streams.
 class Decompressor {
  public:
   Decompressor(const std::string& file, std::string_view content)
@@ -51,7 +51,7 @@ class Decompressor {
   int step(bz_stream& stream) {
     if (size_ == text_.size())
       text_.resize(std::min(std::max<std::size_t>(2 * size_, 1 << 20), allowed_ + 1));
-    // libbz2 does not write to its input, though it does not say so.
+    // libbz2 does not write to its input, although its type is not const.
     stream.next_in = const_cast<char*>(rest_.data());
     stream.avail_in = most(rest_.size());
     stream.next_out = text_.data() + size_;
@@ -88,7 +88,7 @@ class Decompressor {
   std::string_view rest_;
   std::size_t packed_, allowed_;  // sizes [bytes]
   std::string text_;
-  std::size_t size_ = 0;  // characters written into text_
+  std::size_t size_ = 0;  // number of characters in text_
 };
 
 }  // namespace

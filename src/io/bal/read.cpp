@@ -46,7 +46,7 @@ class Reader {
   }
 
  private:
-  /// `make(i)` reads the i-th of `count` things. Room is made for no more than the file can hold.
+  /// Reads `count` items; `make(i)` reads item i. Reserves no more memory than the file can fill.
   template <class T, class F>
   void readAll(std::vector<T>& things, int count, const F& make) {
     constexpr std::size_t least_bytes = 6;  // "0 0 0\n"
@@ -129,7 +129,7 @@ class Reader {
     return camera;
   }
 
-  /// The next numbers, wherever lines end, as thing number i.
+  /// Reads the next numbers, on whatever lines, as item number i.
   template <std::size_t N>
   Eigen::Matrix<double, int(N), 1> numbers(const char* thing, int i,
                                            const std::array<const char*, N>& parts) {
@@ -153,7 +153,8 @@ class Reader {
     words_.fail(
         fmt::format("{} of {} {} is {}; write a finite number there", part, thing, i, words_.quoted()));
   }
-  /// A point that moves a little away from the axis would leave the image, or not move in it at all.
+  /// Throws unless the focal length is plausible. Otherwise a point that moves a little away from the axis would leave
+  /// the image, or not move in it at all.
   void requireFocalLength(int i, double f) const {
     if (f >= least_focal_px && f <= most_focal_px) return;
     words_.fail(fmt::format("f of camera {} is {}; write a focal length from {:g} to {:g} [px] there", i,

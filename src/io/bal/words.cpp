@@ -11,10 +11,10 @@ namespace slom::io::bal {
 
 namespace {
 
-/// What separates words on a line, or ends it: '\n', '\t', '\r', ' ' and their like.
+/// Returns whether c separates words or ends a line: '\n', '\t', '\r', ' ' and similar characters.
 constexpr bool isSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-constexpr std::size_t longest_word = 40;  // in a message: a file of another kind may have any
+constexpr std::size_t longest_word = 40;  // in a message; other kinds of files may have longer ones
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// A text in memory as words and numbers, each with its line; fast enough for millions of them.
+// A text in memory as words and numbers, each with its line. It is fast enough for millions of them.
 #pragma once
 
 #include <string>
@@ -8,26 +8,26 @@ namespace slom::io::bal {
 
 class Words {
  public:
-  /// Both must outlive this; `file` is for messages.
+  /// Reads `text`; `file` is its name in messages. Both must outlive this object.
   Words(const std::string& file, std::string_view text);
 
-  /// Goes to the next word; false at the end of the text, which then counts as being in the last line.
+  /// Moves to the next word. Returns false at the end of the text; the end counts as part of the last line.
   bool next();
-  /// The word that `next` found.
+  /// Returns the word that next() found.
   std::string_view word() const { return word_; }
-  /// The line of that word, from 1.
+  /// Returns the line of that word, from 1.
   int line() const { return line_; }
-  /// Whether another word follows on the same line.
+  /// Returns whether another word follows on the same line.
   bool moreOnLine();
-  /// The word as a finite number; false when it is none.
+  /// Reads the word as a finite number. Returns false if it is none.
   bool number(double& value) const;
-  /// The word in quotes, cut where it is long.
+  /// Returns the word in quotes, shortened if it is long.
   std::string quoted() const;
   /// Throws [slom.io.bad-line] FILE:LINE: `what`.
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
-  /// Whether a line ends here: at a line feed, or at a carriage return without one.
+  /// Returns whether a line ends here: at a line feed, or at a carriage return without one.
   bool isEndOfLine() const { return *at_ == '\n' || (*at_ == '\r' && (at_ + 1 == end_ || at_[1] != '\n')); }
 
   const std::string& file_;

@@ -9,7 +9,7 @@ namespace slom::io {
 namespace bal {
 namespace {
 
-/// One number on each line.
+/// Appends one number per line.
 void appendLines(fmt::memory_buffer& text, const auto& numbers) {
   for (const double x : numbers) fmt::format_to(std::back_inserter(text), "{}\n", x);
 }

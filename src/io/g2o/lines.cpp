@@ -22,7 +22,7 @@ void skipBlanks(std::string_view& text) {
   text.remove_prefix(n);
 }
 
-/// The next word, taken off `text`; empty at its end.
+/// Takes the next word off `text`; empty at its end.
 std::string_view takeWord(std::string_view& text) {
   skipBlanks(text);
   std::size_t n = 0;
@@ -33,7 +33,7 @@ std::string_view takeWord(std::string_view& text) {
 }
 
 constexpr std::size_t longest_line = std::size_t{1} << 24;
-constexpr std::size_t longest_word = 40;  // in a message: a file that is not a graph may have any
+constexpr std::size_t longest_word = 40;  // in a message; other kinds of files may have longer ones
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void Lines::require(bool good) const {
   if (!good) cannotRead(file_);
 }
 
-/// Fills the buffer after what has not been handed out yet; false at the end of the file.
+/// Fills the buffer behind the part not handed out yet. Returns false at the end of the file.
 bool Lines::readMore() {
   std::copy(buffer_.begin() + std::ptrdiff_t(begin_), buffer_.begin() + std::ptrdiff_t(end_),
             buffer_.begin());

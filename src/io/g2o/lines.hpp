@@ -1,4 +1,4 @@
-// A text file as lines of words and numbers, fast enough for a million of them.
+// A text file as lines of words and numbers, fast enough for a million lines.
 #pragma once
 
 #include <cstdint>
@@ -10,28 +10,29 @@
 
 namespace slom::io::g2o {
 
-/// One line after the other, and the words of each. Blank lines and those that begin with # are skipped. Lines end by a line feed; in a file
-/// without line feeds, by a carriage return.
-/// Reads a large part of the file at a time, so that it need not fit into memory, and takes pipes too.
+/// The lines of a file, one after another, and the words of each. Blank lines and lines that begin with # are skipped.
+/// Lines end at a line feed; in a file without line feeds, at a carriage return. The file is read in large parts, so it
+/// need not fit into memory and may be a pipe.
 class Lines {
  public:
-  /// Throws the errors of openInput, and [slom.io.bad-line] where a line is longer than 16 MiB. `file` must outlive this.
+  /// Opens the file, whose name must outlive this object. Throws the errors of openInput, and [slom.io.bad-line] if a
+  /// line is longer than 16 MiB.
   explicit Lines(const std::string& file);
 
-  /// Goes to the next line that says something; false at the end.
+  /// Moves to the next line with content. Returns false at the end.
   bool next();
   int lineNumber() const { return line_number_; }
   std::string_view tag() const { return tag_; }
 
-  /// Says what this line must be: `form` is an example, with `count` words after the tag.
+  /// Sets the expected form of this line: `form` is an example, with `count` words after the tag.
   void expect(int count, const char* form);
-  /// The next word as the id of a vertex.
+  /// Reads the next word as the id of a vertex.
   std::uint64_t id();
-  /// The next word as a finite number.
+  /// Reads the next word as a finite number.
   double number();
-  /// Whether there are words left.
+  /// Returns whether no words are left.
   bool atEnd() const;
-  /// Fails when there are words left.
+  /// Throws if words are left.
   void finish() const;
   /// Throws [slom.io.bad-line] FILE:LINE: `what`.
   [[noreturn]] void fail(const std::string& what) const;
@@ -48,14 +49,14 @@ class Lines {
   InputStream stream_;
   std::vector<char> buffer_;
   char end_of_line_ = '\n';
-  std::size_t begin_ = 0, end_ = 0;  // what of the buffer has not been handed out yet
-  std::string_view line_;            // what of this line has not been read
+  std::size_t begin_ = 0, end_ = 0;  // part of the buffer not handed out yet
+  std::string_view line_;            // part of this line not read yet
   std::string_view after_tag_;       // the line after its tag
   std::string_view tag_;
   const char* form_ = "";
   int line_number_ = 0;
   int count_ = 0;  // number of words expected
-  int word_ = 0;   // number of the last one read, from 1
+  int word_ = 0;   // number of the word read last, from 1
 };
 
 }  // namespace slom::io::g2o

@@ -1,4 +1,4 @@
-// What the lines of a file say, before ids become nodes.
+// Contents of the lines of a file, before ids become nodes.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ struct Ends {
   std::uint64_t to = 0;
 };
 
-/// A vertex that a line FIX names.
+/// A vertex named by a FIX line.
 struct FixedVertex {
   std::uint64_t id = 0;
   int line = 0;
 };
 
-/// The vertex that a prior is of, and the sensor that a line names.
+/// The vertex of a prior, and the sensor named in its line.
 struct PriorOf {
   std::uint64_t pose = 0;
   std::uint64_t sensor = 0;
@@ -30,7 +30,7 @@ struct PriorOf {
 
 template <class Pose>
 struct RawGraph {
-  PoseGraph<Pose> graph;                        ///< its edges do not know their nodes yet
+  PoseGraph<Pose> graph;                        ///< its edges have no node indices yet
   std::vector<Ends> edge_ends;                  ///< ends of graph.edges
   std::vector<Ends> sighting_ends;              ///< ends of graph.sightings
   std::vector<std::uint64_t> sighting_sensors;  ///< of graph.sightings in space
@@ -48,7 +48,7 @@ struct RawGraph {
     nodes.push_back(std::move(node));
   }
 
-  /// `skip` reads what stands between the ids and the measurement.
+  /// Reads an edge. `skip` reads what stands between the ids and the measurement.
   template <class Datum, class Read, class ReadInformation, class Skip>
   static void readEdge(std::vector<Edge<Datum>>& edges, std::vector<Ends>& ends, Lines& line, Read read,
                        ReadInformation read_information, Skip skip) {
@@ -67,7 +67,7 @@ struct RawGraph {
   }
 };
 
-/// Finds the node of each id. Throws [slom.io.bad-graph] where that cannot be done.
+/// Finds the node of each id. Throws [slom.io.bad-graph] if an id has no node of the right kind.
 template <class Pose>
 PoseGraph<Pose> resolve(RawGraph<Pose> raw);
 

@@ -14,7 +14,7 @@ namespace g2o {
 
 namespace {
 
-/// Lines that begin with `name`: `form` shows one, with `words` words after the tag.
+/// Kind of lines that begin with `name`. `form` shows an example with `words` words after the tag.
 template <class Pose>
 struct Tag {
   std::string_view name;
@@ -50,7 +50,7 @@ void readBearing(RawGraph<Pose2>& raw, Lines& line) {
       readInformation<1>, nothing);
 }
 
-/// Where the sensor sits on the robot.
+/// Reads the pose of a sensor on the robot.
 void readSensor(RawGraph<Pose3>& raw, Lines& line) {
   Sensor<Pose3>& sensor = raw.graph.sensors.emplace_back();
   sensor.line = line.lineNumber();
@@ -109,7 +109,7 @@ constexpr std::array<Tag<Pose3>, 8> space_tags{{
      readPosePrior<readQuaternionPose>},
 }};
 
-/// The first line that said whether the graph lies in the plane or in space.
+/// The first line that showed whether the graph is in the plane or in space.
 struct FirstLine {
   std::string tag;
   int number = 0;
@@ -168,7 +168,7 @@ class Reader {
   PoseGraph<Pose> finish(RawGraph<Pose>&& raw) {
     if (raw.graph.edges.empty() && raw.graph.sightings.empty() && raw.graph.bearings.empty() &&
         raw.graph.pose_priors.empty() && raw.graph.position_priors.empty()) {
-      std::string found;  // names of a file of another kind
+      std::string found;  // names from a file of another kind
       for (const auto& [tag, lines] : unknown_.lines)
         found += (found.empty() ? ", its lines begin with " : ", ") + tag;
       fail("no-edges",
@@ -181,7 +181,7 @@ class Reader {
     raw.graph.unknown_tags = std::move(unknown_);
     try {
       return resolve(std::move(raw));
-    } catch (const mtk::Error& error) {  // a skipped line may have said what is missing
+    } catch (const mtk::Error& error) {  // a skipped line may have held what is missing
       if (skipped.empty()) throw;
       throw mtk::Error(std::string(error.id()),
                        fmt::format("{} ({})", error.sentence(), fmt::join(skipped, ", ")),

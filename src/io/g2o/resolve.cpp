@@ -1,4 +1,4 @@
-// Resolves ids to nodes: the vertices, and those that each edge connects.
+// Ids resolved to nodes: the vertices, and the ends of each edge.
 #include <algorithm>
 #include <unordered_map>
 
@@ -15,7 +15,7 @@ enum class Kind { pose, landmark };
 
 const char* nameOf(Kind kind) { return kind == Kind::pose ? "a pose" : "a landmark"; }
 
-/// What an id stands for.
+/// The meaning of an id.
 struct Known {
   Kind kind = Kind::pose;
   int node = 0;
@@ -48,7 +48,7 @@ class Resolver {
     failAt("bad-graph", graph_.file, line, what);
   }
 
-  /// A vertex for each id that an edge names, in the order of the ids.
+  /// Makes a vertex for each id that an edge names, in the order of the ids.
   void makeVertices() {
     for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
       add(graph_.poses, raw_.edge_ends[i].from, graph_.edges[i].line);
@@ -119,7 +119,7 @@ class Resolver {
     }
   }
 
-  /// The index of a sensor; a file need not say where one at the origin of the robot is.
+  /// Returns the index of a sensor. A file need not define a sensor at the origin of the robot.
   int sensorOf(std::uint64_t id) {
     const auto it = sensors_.find(id);
     if (it != sensors_.end()) return it->second;
@@ -127,7 +127,7 @@ class Resolver {
     return PosePrior<Pose>::robot;
   }
 
-  /// Brings what sensors see into the frame of the robot: O^-1 X^-1 l - z = R_O^T (X^-1 l - O z) for a sensor at O.
+  /// Transforms sightings to the frame of the robot: O^-1 X^-1 l - z = R_O^T (X^-1 l - O z) for a sensor at O.
   void placeSensors() {
     for (std::size_t i = 0; i < graph_.sensors.size(); ++i) {
       const auto [it, is_new] = sensors_.try_emplace(graph_.sensors[i].id, int(i));

@@ -1,4 +1,4 @@
-// The numbers after a tag as poses, points and information matrices.
+// Numbers after a tag, read as poses, points and information matrices.
 #pragma once
 
 #include "io/g2o/lines.hpp"
@@ -6,14 +6,14 @@
 
 namespace slom::io::g2o {
 
-/// `x y theta`
+/// Reads `x y theta`.
 Pose2 readPose2(Lines& line);
-/// `x y z qx qy qz qw`; the quaternion is normalised, 0 is refused.
+/// Reads `x y z qx qy qz qw`. The quaternion is normalised; 0 is refused.
 Pose3 readQuaternionPose(Lines& line);
-/// `x y z roll pitch yaw`: the rotation Rz(yaw) Ry(pitch) Rx(roll).
+/// Reads `x y z roll pitch yaw`, with the rotation Rz(yaw) Ry(pitch) Rx(roll).
 Pose3 readEulerPose(Lines& line);
 
-/// `x y` or `x y z`
+/// Reads `x y` or `x y z`.
 template <int N>
 mtk::vect<N> readPoint(Lines& line) {
   mtk::vect<N> point;
@@ -21,7 +21,7 @@ mtk::vect<N> readPoint(Lines& line) {
   return point;
 }
 
-/// The upper triangle row by row, `I11 I12 ... I1n I22 ... Inn`.
+/// Reads the upper triangle row by row, `I11 I12 ... I1n I22 ... Inn`.
 template <int N>
 Symmetric<N> readInformation(Lines& line) {
   Symmetric<N> information;
@@ -31,7 +31,7 @@ Symmetric<N> readInformation(Lines& line) {
   return information;
 }
 
-/// TORO's order in the plane, `I11 I12 I22 I33 I13 I23`.
+/// Reads TORO's order in the plane, `I11 I12 I22 I33 I13 I23`.
 Symmetric<3> readToroInformation(Lines& line);
 
 }  // namespace slom::io::g2o

@@ -64,7 +64,7 @@ void appendFixes(Text& text, const std::vector<Node<Value>>& nodes) {
   }
 }
 
-/// What is measured and its information, to the end of the line.
+/// Appends a measurement and its information, to the end of the line.
 template <class Datum, int N>
 void appendMeasured(Text& text, const Datum& measured, const Symmetric<N>& information) {
   append(text, measured);
@@ -81,7 +81,8 @@ void appendEdge(Text& text, const char* tag, std::uint64_t from, std::uint64_t t
   appendMeasured(text, edge.measured, edge.information);
 }
 
-/// The sensors of the file, and one at the origin of the robot where sightings need one; returns the id of that.
+/// Appends the sensors of the file, and one at the origin of the robot if sightings need it. Returns the id of the
+/// latter.
 std::uint64_t appendSensors(Text& text, const PoseGraph<Pose3>& graph) {
   std::uint64_t free_id = 0;
   const Sensor<Pose3>* at_origin = nullptr;
@@ -100,7 +101,7 @@ std::uint64_t appendSensors(Text& text, const PoseGraph<Pose3>& graph) {
   return free_id;
 }
 
-/// Edges, sightings, bearings and priors. `origin`: the sensor at the origin of the robot.
+/// Appends edges, sightings, bearings and priors. `origin`: the sensor at the origin of the robot.
 template <class Pose>
 void appendMeasurements(Text& text, const PoseGraph<Pose>& graph, std::uint64_t origin) {
   using T = Tags<Pose>;
@@ -150,7 +151,7 @@ std::string toG2o(const PoseGraph<Pose>& graph) {
   return fmt::to_string(text);
 }
 
-// A shared library hides instances of templates that are not defined in a public header, unless told otherwise.
+// A shared library hides instances of templates not defined in a public header. This attribute exports them.
 template __attribute__((visibility("default"))) std::string toG2o(const PoseGraph<Pose2>&);
 template __attribute__((visibility("default"))) std::string toG2o(const PoseGraph<Pose3>&);
 

@@ -18,8 +18,8 @@ void appendToro(ToroText& text, const Pose2& pose) {
   for (const double x : {pose.pos[0], pose.pos[1], pose.orient.angle()}) appendNumber(text, x);
 }
 
-/// Roll, pitch and yaw of Rz(yaw) Ry(pitch) Rx(roll). Each is that of what the ones before leave, so that their product is R where yaw and roll
-/// turn about one axis, too.
+/// Returns roll, pitch and yaw of Rz(yaw) Ry(pitch) Rx(roll). Each angle is computed from what the previous ones leave.
+/// So the product is R even if yaw and roll turn about the same axis.
 mtk::vect<3> eulerAngles(const mtk::SO3<>& R) {
   const auto whole = R.toRotationMatrix();
   const double yaw = std::atan2(whole(1, 0), whole(0, 0));
@@ -32,11 +32,11 @@ void appendToro(ToroText& text, const Pose3& pose) {
   for (int i = 0; i < 3; ++i) appendNumber(text, angles[i]);
 }
 
-/// `I11 I12 I22 I33 I13 I23`
+/// Appends `I11 I12 I22 I33 I13 I23`.
 void appendToro(ToroText& text, const Symmetric<3>& I) {
   for (const double x : {I(0, 0), I(0, 1), I(1, 1), I(2, 2), I(0, 2), I(1, 2)}) appendNumber(text, x);
 }
-/// The upper triangle, row by row.
+/// Appends the upper triangle, row by row.
 void appendToro(ToroText& text, const Symmetric<6>& I) {
   for (int i = 0; i < 6; ++i) {
     for (int j = i; j < 6; ++j) appendNumber(text, I(i, j));
@@ -74,7 +74,7 @@ std::string toToro(const PoseGraph<Pose>& graph) {
   return fmt::to_string(text);
 }
 
-// A shared library hides instances of templates that are not defined in a public header, unless told otherwise.
+// A shared library hides instances of templates not defined in a public header. This attribute exports them.
 template __attribute__((visibility("default"))) std::string toToro(const PoseGraph<Pose2>&);
 template __attribute__((visibility("default"))) std::string toToro(const PoseGraph<Pose3>&);
 

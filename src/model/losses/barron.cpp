@@ -6,7 +6,7 @@ namespace slom {
 
 namespace {
 
-/// For b = 2 - alpha beyond this, Barron's loss is Welsch's to all digits.
+/// Value of b = 2 - alpha beyond which Barron's loss equals Welsch's to all digits.
 constexpr double kWelsch = 1e100;
 
 LossValue welsch(double t) {
@@ -20,8 +20,8 @@ LossValue barron(double t, double alpha) {
   if (b > kWelsch) return welsch(t);
   const double log = std::log1p(t / b);
   const double weight = std::exp(-b / 2 * log);
-  // phi = 2 b/alpha ((1 + t/b)^(alpha/2) - 1), in a form for each end: for small b the power is t/b times the weight,
-  // for alpha around 0 the quotient tends to the logarithm.
+  // phi = 2 b/alpha ((1 + t/b)^(alpha/2) - 1), in one form for each end of the range. For small b, the power is t/b
+  // times the weight. For alpha around 0, the quotient tends to the logarithm.
   const double x = alpha / 2 * log;
   const double phi = alpha >= 1 ? 2 / alpha * (t * weight + b * std::expm1(-b / 2 * log))
                                 : b * log * (x == 0 ? 1 : std::expm1(x) / x);

@@ -1,4 +1,4 @@
-/// The ways in which the block solver solves (H + damping) x = b once H is there, and the choice among them.
+/// Methods by which the block solver solves (H + damping) x = b for a given H, and the choice among them.
 #pragma once
 
 #include <memory>
@@ -11,27 +11,27 @@
 
 namespace slom {
 
-/// A pivot below this share of its diagonal entry is rounding error.
+/// Fraction of its diagonal entry below which a pivot is rounding error.
 inline constexpr double kPivotTolerance = 1e-12;
 
-/// Vectors are by unknown; damping may be empty.
+/// A method. Vectors are by unknown; damping may be empty.
 class BlockMethod {
  public:
   virtual ~BlockMethod() = default;
 
-  /// Prepares solutions with H + damping; nothing is done where that is prepared already. x, where given, is the right-hand
-  /// side of a step, which exact methods solve forward at the same time.
+  /// Prepares solutions with H + damping, unless that is prepared already. x, if given, is the right-hand side of a
+  /// step; exact methods solve it forward at the same time.
   SolveStatus prepare(const Eigen::VectorXd& damping, Eigen::VectorXd* x = nullptr);
-  /// x := the solution for the x that was given to prepare(), as exact as a step needs it.
+  /// Solves x, which was given to prepare(), as exactly as a step needs.
   SolveStatus solveStep(Eigen::VectorXd& x) { return finishStep(x, is_forward_solved_); }
-  /// Number of calls of prepare() that had something to do.
+  /// Returns the number of calls of prepare() that did work.
   long preparations() const { return preparations_; }
-  /// To be called whenever H has new numbers.
+  /// Forgets what is prepared. Call it whenever H has new numbers.
   void forget() { has_undamped_ = false; }
 
-  /// x := (H + damping)^-1 x, to rounding.
+  /// Computes x := (H + damping)^-1 x, to rounding.
   virtual SolveStatus solve(Eigen::VectorXd& x) = 0;
-  /// See BlockSolver; null where there is no factor.
+  /// Returns blocks of the inverse, see BlockSolver; null if there is no factor.
   virtual std::unique_ptr<InverseBlocks> invertBlocks() = 0;
   virtual bool isExact() const = 0;
   virtual double flops() const = 0;
@@ -44,11 +44,11 @@ class BlockMethod {
  private:
   bool has_undamped_ = false;
   long preparations_ = 0;
-  bool is_forward_solved_ = false;  // the right-hand side given to the last prepare()
+  bool is_forward_solved_ = false;  // true: the right-hand side of the last prepare()
   SolveStatus undamped_status_;
 };
 
-/// Lays out the equations for what it chooses; they must outlive it.
+/// Chooses a method and lays out the equations for it. The equations must outlive the method.
 std::unique_ptr<BlockMethod> chooseMethod(const BlockStructure& structure, const BlockSolverOptions& options,
                                           NormalEquations& equations);
 

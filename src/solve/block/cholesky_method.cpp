@@ -10,7 +10,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Blocks of the inverse at the places of H's: eliminated columns, and the others as those of the reduced system.
+/// Blocks of the inverse at the places of H's blocks: those of eliminated columns, and those of the reduced system.
 class SelectedInverse final : public InverseBlocks {
  public:
   SelectedInverse(std::vector<int> position, int count) : position_(std::move(position)), count_(count) {}
@@ -69,7 +69,7 @@ SolveStatus CholeskyMethod::factorize(const VectorXd& damping, VectorXd* x) {
   return status;
 }
 
-/// Solves for the right-hand side that is in the fronts, and in x where blocks are eliminated.
+/// Solves for the right-hand side in the fronts. If blocks are eliminated, x holds their part of it.
 void CholeskyMethod::backSolve(VectorXd& x) {
   if (!elimination_) {
     x = factor_.backSolve();

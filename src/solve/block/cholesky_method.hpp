@@ -1,4 +1,4 @@
-/// Exact solutions, by a Cholesky factorisation of H, or of what an elimination leaves of it.
+/// Exact solutions by a Cholesky factorisation of H, or of the reduced system after an elimination.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,8 @@ namespace slom {
 
 class CholeskyMethod final : public BlockMethod {
  public:
-  /// `system` describes what is solved. `elimination` may be null. `rest`: the blocks of the structure that it leaves,
-  /// ascending; the fronts are those of their graph.
+  /// Makes the method. `system` describes what is solved. `elimination` may be null. `rest`: the blocks of the
+  /// structure that remain after it, ascending. `fronts` are those of the graph of `rest`.
   CholeskyMethod(std::string system, const BlockStructure& structure, const NormalEquations& equations,
                  std::unique_ptr<Elimination> elimination, const std::vector<int>& rest, Fronts fronts);
 
@@ -33,9 +33,9 @@ class CholeskyMethod final : public BlockMethod {
 
   std::string system_;
   const NormalEquations& equations_;
-  std::vector<int> position_;  // in H, of each block of the structure
+  std::vector<int> position_;  // by block of the structure: its position in H
   std::unique_ptr<Elimination> elimination_;
-  std::vector<int> kept_;  // unknowns that the elimination leaves
+  std::vector<int> kept_;  // unknowns that the elimination keeps
   MultifrontalCholesky factor_;
 };
 

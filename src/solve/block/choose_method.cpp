@@ -18,13 +18,13 @@ namespace slom {
 
 namespace {
 
-/// The model that the choice of the method rests on.
+/// Cost model for the choice of the method.
 constexpr double kSecondsPerOperation = 5e-11;
-constexpr double kSecondsPerEntry = 2e-9;  // entries of H in a product with it, which waits for memory
+constexpr double kSecondsPerEntry = 2e-9;  // for each entry of H in a product with it; memory-bound
 constexpr double kReducedIterations = 100, kWholeIterations = 1000;
-constexpr double kWorthBeingInexact = 5;      // exact steps need fewer iterations of the fit
+constexpr double kWorthBeingInexact = 5;      // ratio of times; exact steps need fewer iterations of the fit
 constexpr double kMostFactorEntries = 1.5e9;  // 12 GB
-constexpr double kMostPairs = 4e9;            // pairs of blocks that meet in an eliminated one
+constexpr double kMostPairs = 4e9;            // number of pairs of blocks that meet in an eliminated block
 
 double entries(const BlockGraph& graph) {
   double sum = 0;
@@ -43,7 +43,7 @@ double entries(const Fronts& fronts) {
   return sum;
 }
 
-/// Number of pairs of neighbours that the eliminated blocks have.
+/// Returns the number of pairs of neighbours of the eliminated blocks.
 double pairs(const BlockGraph& graph, const std::vector<char>& eliminated) {
   double sum = 0;
   for (int b = 0; b < graph.size(); ++b) {
@@ -53,7 +53,8 @@ double pairs(const BlockGraph& graph, const std::vector<char>& eliminated) {
   return sum;
 }
 
-/// Permutation: the blocks of `first`, then those of `block`, in the order of their `position`. The result is by block.
+/// Returns the permutation by block: first the blocks of `first`, then those of `block` in the order of their
+/// `position`.
 std::vector<int> positionsBehind(const std::vector<int>& first, const std::vector<int>& block,
                                  const std::vector<int>& position) {
   std::vector<int> result(first.size() + block.size());
@@ -63,7 +64,7 @@ std::vector<int> positionsBehind(const std::vector<int>& first, const std::vecto
   return result;
 }
 
-/// As "49 x 9 + 1 x 4": numbers of blocks times numbers of unknowns, for the blocks that count.
+/// Returns a text such as "49 x 9 + 1 x 4": numbers of blocks times numbers of unknowns, for the selected blocks.
 template <class Predicate>
 std::string shape(const BlockStructure& structure, const Predicate& is) {
   std::map<int, int> count;
@@ -83,7 +84,7 @@ std::string shape(const BlockStructure& structure, const Predicate& is) {
   return text.empty() ? "nothing" : text;
 }
 
-/// What is solved: "reduced system 49 x 9 after elimination of 7776 x 3".
+/// Describes what is solved: "reduced system 49 x 9 after elimination of 7776 x 3".
 std::string describe(const BlockStructure& structure, const std::vector<char>& points) {
   if (points.empty()) return "system " + shape(structure, [](int) { return true; });
   return "reduced system " + shape(structure, [&](int b) { return points[at(b)] == 0; }) +
@@ -163,7 +164,7 @@ class Choice {
                                              static_cast<int>(first.size()));
   }
 
-  /// Ascending.
+  /// Returns the points, or the other blocks, in ascending order.
   std::vector<int> blocksWhere(bool is_point) const {
     std::vector<int> blocks;
     for (int b = 0; b < graph_.size(); ++b) {
@@ -187,7 +188,7 @@ class Choice {
   const BlockSolverOptions& options_;
   NormalEquations& equations_;
   const BlockGraph graph_;
-  /// Whether each block is eliminated with others that it never meets; empty: none is.
+  /// By block: whether it is eliminated with others that it never meets. Empty: none is.
   std::vector<char> points_;
 };
 

@@ -14,13 +14,14 @@ namespace {
 
 constexpr int kPerTask = 256;
 
-/// f of the size where it is that of points in space, which compilers make much of; of 0 for others.
+/// Calls f with the size as a constant if it is that of points in space, which compilers optimise well; otherwise with
+/// 0.
 template <class F>
 void withSize(int d, const F& f) {
   d == 3 ? f(std::integral_constant<int, 3>{}) : f(std::integral_constant<int, 0>{});
 }
 
-/// L of V + damping (null: none); the failure is of no component when there is none.
+/// Computes L of V + damping (null: none). On success, the failure names no component.
 template <int D>
 EliminatedBlocks::Failure factorizeOne(int size, const double* V, const double* damping, double tolerance,
                                        double* L) {
@@ -120,7 +121,7 @@ void EliminatedBlocks::invert(const BlockLower& H, int e, const BlockLower& Z, B
     }
     return columns;
   };
-  std::vector<MatrixXd> T;  // V^-1 W^T of each neighbour
+  std::vector<MatrixXd> T;  // by neighbour: V^-1 W^T
   for (int k = first; k < last; ++k) T.push_back(solve(Block(H.values(k), H.dof(H.row(k)), d).transpose()));
   MatrixXd own = solve(MatrixXd::Identity(d, d));
   for (int k = first; k < last; ++k) {

@@ -1,6 +1,6 @@
 /// The small blocks that are eliminated first, each by itself, and the solution for them.
 ///
-/// H has them first, each as a column of its diagonal block V_e and the blocks W below it.
+/// H has these blocks first. Each is a column of its diagonal block V_e and the blocks W below it.
 #pragma once
 
 #include <vector>
@@ -22,27 +22,29 @@ class EliminatedBlocks {
     double ratio = 0;
     bool happened() const { return e >= 0; }
   };
-  /// V_e + damping = L L^T for e in [first, last), up to the first of them that fails: whose pivot falls below the share
-  /// `tolerance` of its diagonal entry. Vectors by unknown; offset: first unknown of each position of H.
+  /// Factorises V_e + damping = L L^T for e in [first, last), up to the first that fails. A block fails if a pivot
+  /// falls below the fraction `tolerance` of its diagonal entry. Vectors are by unknown; offset: first unknown of each
+  /// position of H.
   Failure factorize(const BlockLower& H, int first, int last, const std::vector<int>& offset,
                     const Eigen::VectorXd& damping, double tolerance);
   SolveStatus factorizeAll(const BlockLower& H, const std::vector<int>& offset,
                            const Eigen::VectorXd& damping, double tolerance);
-  /// b := L^-1 b
+  /// Computes b := L^-1 b.
   void forward(int e, int d, double* b) const;
-  /// b := L^-T b
+  /// Computes b := L^-T b.
   void backward(int e, int d, double* b) const;
 
-  /// b_c -= W V^-1 b_e, in place.
+  /// Computes b_c -= W V^-1 b_e, in place.
   void reduceVector(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& b) const;
-  /// x_e := V^-1 (b_e - W^T x_c), in place; x has b_e and x_c.
+  /// Computes x_e := V^-1 (b_e - W^T x_c), in place; x holds b_e and x_c.
   void substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const;
 
-  /// The blocks of the whole inverse in column e of H, into `inverse`: -Z W V^-1 below the diagonal, with Z the inverse of
-  /// the reduced system, of which all blocks are there that this one meets in pairs, and V^-1 + V^-1 W^T Z W V^-1 on it.
+  /// Writes the blocks of the whole inverse in column e of H into `inverse`: -Z W V^-1 below the diagonal, and V^-1 +
+  /// V^-1 W^T Z W V^-1 on it. Z is the inverse of the reduced system. It must have all blocks for pairs of neighbours
+  /// of e.
   void invert(const BlockLower& H, int e, const BlockLower& Z, BlockLower& inverse) const;
 
-  /// Lower triangular, column-major, with inverse diagonal.
+  /// Returns the factor: lower triangular, column-major, with inverse diagonal.
   const double* factor(int e) const { return factors_.data() + start_[static_cast<std::size_t>(e)]; }
 
   static SolveStatus status(const Failure& failure, const std::vector<int>& offset);

@@ -1,7 +1,8 @@
-/// Blocks that are eliminated before the others are ordered and put into fronts, and what they leave: the reduced system S.
+/// Blocks that are eliminated before the others are ordered and put into fronts, and the reduced system S of the
+/// others.
 ///
-/// H has them first, in their order. In its layout the blocks of S follow them, in the order that they have in S.
-/// Vectors are by unknown; `offset` is the first unknown of each position of H.
+/// H has the eliminated blocks first, in their order. The blocks of S follow in the order that they have in S. Vectors
+/// are by unknown; `offset` is the first unknown of each position of H.
 #pragma once
 
 #include <string>
@@ -17,24 +18,25 @@ namespace slom {
 class Elimination {
  public:
   virtual ~Elimination() = default;
-  /// How many blocks.
+  /// Returns the number of eliminated blocks.
   virtual int count() const = 0;
-  /// What the description of the system does not say; may be empty.
+  /// Returns what the description of the system does not contain; may be empty.
   virtual std::string description() const = 0;
-  /// Operations, additions and multiplications.
+  /// Returns the number of additions and multiplications.
   virtual double flops() const = 0;
   virtual const BlockLower& S() const = 0;
 
-  /// Factorises the eliminated columns of H + damping and makes S, without damping. A pivot below the share `tolerance` of
-  /// its diagonal entry of H + damping ends it. x, where given, goes through `forward` on the way.
+  /// Factorises the eliminated columns of H + damping and computes S, without damping. Stops at a pivot below the
+  /// fraction `tolerance` of its diagonal entry of H + damping. x, if given, is passed through `forward` at the same
+  /// time.
   virtual SolveStatus reduce(const BlockLower& H, const std::vector<int>& offset,
                              const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* x) = 0;
-  /// Makes of a right-hand side x that of S, in place, and for the eliminated blocks what `substitute` takes.
+  /// Turns a right-hand side x into that of S, in place. For the eliminated blocks, leaves what `substitute` needs.
   virtual void forward(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const = 0;
-  /// x_e for the eliminated blocks, when x has the solution for the others.
+  /// Computes x_e for the eliminated blocks; x holds the solution for the others.
   virtual void substitute(const BlockLower& H, const std::vector<int>& offset, Eigen::VectorXd& x) const = 0;
-  /// The blocks of the whole inverse in the eliminated columns, into `inverse`, laid out as H; Z: those of the inverse of S,
-  /// laid out as that.
+  /// Writes the blocks of the whole inverse in the eliminated columns into `inverse`, which is laid out as H. Z: the
+  /// inverse of S, laid out as S.
   virtual void invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const = 0;
 };
 

@@ -12,7 +12,7 @@ namespace {
 using dense::kStripe;
 using Eigen::MatrixXd;
 
-/// The rows x p matrix whose stripes lie at `panel`.
+/// Returns the rows x p matrix whose stripes begin at `panel`.
 MatrixXd unpack(const double* panel, int rows, int p) {
   MatrixXd result(rows, p);
   for (int s = 0; s < rows; s += kStripe) {

@@ -8,7 +8,7 @@ namespace slom {
 using Eigen::VectorXd;
 
 namespace {
-/// Where an exact solution is asked for.
+/// Tolerance if an exact solution is requested.
 constexpr double kExactTolerance = 1e-13;
 }  // namespace
 

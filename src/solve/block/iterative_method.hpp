@@ -10,7 +10,7 @@ namespace slom {
 
 class IterativeMethod final : public BlockMethod {
  public:
-  /// `system` describes what is solved. The first `eliminated` columns of H are eliminated.
+  /// Makes the method. `system` describes what is solved. The first `eliminated` columns of H are eliminated.
   IterativeMethod(std::string system, const BlockSolverOptions& options, const NormalEquations& equations,
                   int eliminated);
 
@@ -23,7 +23,7 @@ class IterativeMethod final : public BlockMethod {
  private:
   SolveStatus factorize(const Eigen::VectorXd& damping, Eigen::VectorXd* x) override;
   SolveStatus finishStep(Eigen::VectorXd& x, bool is_forward_solved) override;
-  /// `is_rough_enough`: a solution counts that is not yet within the tolerance.
+  /// Iterates. If `is_rough_enough`, a solution outside the tolerance counts too.
   SolveStatus iterate(double tolerance, int max_iterations, bool is_rough_enough, Eigen::VectorXd& x);
   double forcing();
 
@@ -33,7 +33,7 @@ class IterativeMethod final : public BlockMethod {
   ReducedOperator reduced_;
   double largest_gradient_ = 0;
   int solutions_ = 0;
-  double iterations_ = 0;  // in all solutions
+  double iterations_ = 0;  // of all solutions together
 };
 
 }  // namespace slom

@@ -57,7 +57,7 @@ Eigen::Map<const VectorXd> JacobianRows::residual(std::size_t g, int m) const {
   return {group.r.data() + first, group.row[static_cast<std::size_t>(m) + 1] - first};
 }
 
-/// f(g, m) for every measurement.
+/// Calls f(g, m) for every measurement.
 template <class F>
 void JacobianRows::forEach(const F& f) const {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -85,7 +85,7 @@ VectorXd JacobianRows::diagonal() const {
   VectorXd sum = VectorXd::Zero(structure_->unknowns());
   forEach([&](std::size_t group, int m) {
     forEachPart(group, m, [&](int block, const Part& J) {
-      forEachPart(group, m, [&](int other, const Part& K) {  // the same block may come twice
+      forEachPart(group, m, [&](int other, const Part& K) {  // the same block may occur twice
         if (other == block)
           sum.segment(offset(block), J.cols()) += J.cwiseProduct(K).colwise().sum().transpose();
       });

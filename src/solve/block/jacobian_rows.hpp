@@ -1,4 +1,4 @@
-/// J and r as they were linearised, measurement after measurement.
+/// J and r as linearised, measurement by measurement.
 #pragma once
 
 #include <vector>
@@ -13,18 +13,18 @@ class JacobianRows {
  public:
   using Part = Eigen::Map<const Eigen::MatrixXd>;
 
-  /// The structure must outlive this.
+  /// Prepares for a structure, which must outlive this object.
   void analyze(const BlockStructure& structure);
   void clear();
   void add(const JacobianBatch& batch);
   /// Multiplies residual and Jacobian of measurement m of group g.
   void multiply(std::size_t g, int m, double by);
 
-  /// Number of measurements of group g.
+  /// Returns the number of measurements of group g.
   int size(std::size_t g) const { return static_cast<int>(groups_[g].start.size()); }
-  /// Residuals of measurement m of group g.
+  /// Returns the residual of measurement m of group g.
   Eigen::Map<const Eigen::VectorXd> residual(std::size_t g, int m) const;
-  /// Calls f(block, J of that block) for each of its blocks that is optimised; one may come twice.
+  /// Calls f(block, J of that block) for each of its optimised blocks. A block may occur twice.
   template <class F>
   void forEachPart(std::size_t g, int m, const F& f) const {
     const Group& group = groups_[g];
@@ -39,15 +39,15 @@ class JacobianRows {
   }
 
   int rows() const;
-  /// J^T r
+  /// Returns J^T r.
   Eigen::VectorXd gradient() const;
-  /// Diagonal of J^T J.
+  /// Returns the diagonal of J^T J.
   Eigen::VectorXd diagonal() const;
-  /// J V, pool after pool.
+  /// Returns J V, pool after pool.
   Eigen::MatrixXd times(const Eigen::MatrixXd& V) const;
-  /// Sends all to `sink`, as they were sent to this.
+  /// Sends all rows to `sink`, as they were sent to this object.
   void sendTo(JacobianSink& sink) const;
-  /// |J d|^2
+  /// Returns |J d|^2.
   double squaredNormOfJd(const Eigen::VectorXd& d) const;
 
  private:

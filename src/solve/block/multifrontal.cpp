@@ -15,7 +15,7 @@ using dense::stripesOf;
 
 }  // namespace
 
-/// The front's columns of H + damping.
+/// Assembles the front's columns of H + damping.
 void MultifrontalCholesky::assemble(const BlockLower& H, const Front& front, const Layout& layout) {
   double* const D = L_.data() + layout.D;
   double* const B = L_.data() + layout.B;
@@ -99,7 +99,8 @@ MultifrontalCholesky::Failure MultifrontalCholesky::factorizeSubtree(const Block
   return {};
 }
 
-/// All fronts in their order. To say the same as threads do, a failure in a subtree goes before those above the subtrees.
+/// Factorises all fronts in order. A failure in a subtree takes precedence over one above the subtrees, so that threads
+/// give the same result.
 MultifrontalCholesky::Failure MultifrontalCholesky::factorizeSequentially(const BlockLower& H) {
   Failure above;
   for (int f = 0; f < static_cast<int>(layout_.size()); ++f) {
@@ -113,7 +114,7 @@ MultifrontalCholesky::Failure MultifrontalCholesky::factorizeSequentially(const 
   return above;
 }
 
-/// f for each subtree but the one above the others.
+/// Calls f for each subtree except the one above the others.
 template <class F>
 void MultifrontalCholesky::forEachSubtree(const F& f) const {
   detail::forEachIndex(static_cast<int>(subtree_.size()) - 1, f);
@@ -146,7 +147,8 @@ SolveStatus MultifrontalCholesky::factorize(const BlockLower& H, const Eigen::Ve
   return {false, unknown_[at(first.pivot)], reference > 0 ? std::max(0.0, first.value / reference) : 0.0};
 }
 
-/// x := L^-1 x for the front's pivots; what that takes from later rows goes, through `vectors_`, to the parent.
+/// Computes x := L^-1 x for the front's pivots. What this subtracts from later rows goes to the parent, through
+/// `vectors_`.
 void MultifrontalCholesky::forward(int f) {
   const auto& kernel = kernels();
   const Front& front = fronts_.front[at(f)];

@@ -1,8 +1,8 @@
 /// Block Cholesky factorisation P (H + damping) P^T = L L^T by the multifrontal method, and the solution with it.
 ///
-/// Memory is laid out once, in `analyze`: L as one panel for each front (see dense/kernels.hpp), updates in arenas whose
-/// places are planned, one arena for each subtree that is worked on alone and one for what is above them. The cut into
-/// subtrees depends on the structure alone, so results are bitwise the same for any number of threads.
+/// Memory is laid out once, in `analyze`. L has one panel for each front (see dense/kernels.hpp). Updates are in arenas
+/// with planned places: one arena for each subtree that is processed by one thread, and one for the fronts above them.
+/// The cut into subtrees depends only on the structure, so results are bitwise the same for any number of threads.
 #pragma once
 
 #include <vector>
@@ -19,19 +19,19 @@ namespace slom {
 
 class MultifrontalCholesky {
  public:
-  /// `offset`: first unknown of each block of the graph that the fronts were made from.
+  /// Plans the factorisation. `offset`: first unknown of each block of the graph that the fronts were made from.
   void analyze(const std::vector<int>& offset, Fronts fronts, const BlockLower& H);
   const Fronts& fronts() const { return fronts_; }
 
-  /// Factorises H + damping (by unknown; may be empty). A pivot below the share `tolerance` of its diagonal entry ends it. A
-  /// right-hand side b is solved forward at the same time, while each front is in the cache: backSolve() then ends the solution for it.
+  /// Factorises H + damping (by unknown; may be empty). Stops at a pivot below the fraction `tolerance` of its diagonal
+  /// entry. If b is given, solves it forward while each front is in the cache; then backSolve() completes its solution.
   SolveStatus factorize(const BlockLower& H, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& damping,
                         double tolerance, const Eigen::VectorXd* b = nullptr);
-  /// The first half of the solution for b, where the factorisation did not take it along, and the rest of it:
-  /// (H + damping)^-1 b, by unknown.
+  /// Solves b forward, if the factorisation did not. backSolve() completes the solution: it returns (H + damping)^-1 b,
+  /// by unknown.
   void forwardSolve(const Eigen::VectorXd& b);
   Eigen::VectorXd backSolve();
-  /// The blocks of (H + damping)^-1 at the places of H's, into Z, which is laid out as H.
+  /// Writes the blocks of (H + damping)^-1 at the places of H's blocks into Z, which is laid out as H.
   void invertSelected(BlockLower& Z) const;
 
  private:
@@ -42,8 +42,8 @@ class MultifrontalCholesky {
     std::size_t D = 0, B = 0;             // in L_
     std::size_t U = 0;                    // in updates_
     int first_child = 0, last_child = 0;  // in children_
-    int first_run = 0, last_run = 0;      // in runs_; of this front's rows in its parent
-    std::size_t relative = 0;             // in relative_; likewise
+    int first_run = 0, last_run = 0;      // in runs_; this front's rows in its parent
+    std::size_t relative = 0;             // in relative_; this front's rows in its parent
     int first_entry = 0, last_entry = 0;  // in entries_
     std::size_t vector = 0;               // in vectors_
   };
@@ -52,7 +52,7 @@ class MultifrontalCholesky {
     double value = 0;
   };
 
-  /// Less work than this [flops] is not worth being handed to another thread.
+  /// Work [flops] below which a task is not handed to another thread.
   static constexpr double kSmallestTask = 1e6;
   static double work(const Front& front);
 
@@ -74,16 +74,16 @@ class MultifrontalCholesky {
   void backward(int f);
 
   Fronts fronts_;
-  std::vector<int> unknown_;  // at each place of the permuted system
+  std::vector<int> unknown_;  // by place of the permuted system
   std::vector<Layout> layout_;
   std::vector<int> children_;
   std::vector<dense::Run> runs_;
   std::vector<int> relative_;
   std::vector<Entry> entries_;
-  std::vector<std::vector<int>> subtree_;  // fronts of each, and last those above them
+  std::vector<std::vector<int>> subtree_;  // by subtree: its fronts; the last entry has those above
   std::vector<int> subtree_of_;
-  bool is_sequential_ = false;   // places of updates are for one thread alone
-  bool solves_forward_ = false;  // a right-hand side, in the factorisation at work
+  bool is_sequential_ = false;   // true: the places of updates are planned for one thread
+  bool solves_forward_ = false;  // the present factorisation solves a right-hand side too
   dense::BigArray L_, updates_;
   std::vector<double> inverse_, least_, shift_, vectors_, x_;
 };

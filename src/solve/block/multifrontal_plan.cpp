@@ -1,4 +1,5 @@
-/// What is planned before any number is known: where panels and updates lie, who adds to whom, what runs side by side.
+/// Plan made before any number is known: places of panels and updates, who adds to whom, and which fronts run in
+/// parallel.
 #include <algorithm>
 #include <map>
 
@@ -14,9 +15,9 @@ namespace {
 using dense::kStripe;
 using dense::stripesOf;
 
-/// Subtrees are cut until none has more than this share of the whole work.
+/// Largest fraction of the whole work that one subtree may have; larger ones are cut.
 constexpr double kLargestSubtree = 1.0 / 16;
-/// Places in an array for pieces that come and go; first fit.
+/// Places in an array for pieces of changing lifetime; first fit.
 class Planner {
  public:
   std::size_t take(std::size_t size) {
@@ -103,7 +104,7 @@ void MultifrontalCholesky::layOut() {
   }
 }
 
-/// Where the rows of each front lie in its parent.
+/// Finds the places of the rows of each front in its parent.
 void MultifrontalCholesky::relate() {
   runs_.clear();
   relative_.clear();
@@ -178,14 +179,14 @@ void MultifrontalCholesky::cutIntoSubtrees() {
   const double most = std::max(all * kLargestSubtree, kSmallestTask);
   subtree_of_.assign(at(n), -1);
   subtree_.clear();
-  // Goes from the roots down: a subtree gets its number at its root.
+  // The loop goes down from the roots: a subtree gets its number at its root.
   double filled = most;
   for (int f = n - 1; f >= 0; --f) {
     const int parent = fronts_.front[at(f)].parent;
     if (parent >= 0 && subtree_of_[at(parent)] >= 0) {
       subtree_of_[at(f)] = subtree_of_[at(parent)];
     } else if (below[at(f)] <= most) {
-      // Small subtrees side by side share a task.
+      // Small neighbouring subtrees share a task.
       if (filled + below[at(f)] > most) {
         subtree_.emplace_back();
         filled = 0;
@@ -202,8 +203,8 @@ void MultifrontalCholesky::cutIntoSubtrees() {
   }
 }
 
-/// Where updates lie, until the parent has taken them. Threads that work on different subtrees must not share places; one
-/// alone goes from front to front, and places are used again by all that come later.
+/// Plans the places of updates, which live until the parent has taken them. Threads that work on different subtrees
+/// must not share places. One thread alone goes from front to front, so all later updates reuse the places.
 void MultifrontalCholesky::planUpdates(bool is_sequential) {
   is_sequential_ = is_sequential;
   std::size_t origin = 0;

@@ -65,7 +65,7 @@ void MultifrontalQR::analyze(const BlockStructure& structure, Fronts fronts) {
   }
 }
 
-/// First column of this block in front f.
+/// Returns the first column of this block in front f.
 int MultifrontalQR::columnIn(int f, int position) const {
   const Front& front = fronts_.front[at(f)];
   if (position < front.last_column)
@@ -74,21 +74,21 @@ int MultifrontalQR::columnIn(int f, int position) const {
   return row_column_[static_cast<std::size_t>(std::lower_bound(first, last, position) - fronts_.row.begin())];
 }
 
-/// Rows of a front, which are made triangular each time that there are many, so that a front that thousands of others end in takes no more
-/// memory than a few times its columns squared.
+/// Rows of a front. Whenever there are many, they are made triangular. So a front that collects thousands of children
+/// takes at most a few times its columns squared in memory.
 class MultifrontalQR::Panel {
  public:
   /// Reserves room for `rows` rows, in blocks of at most `largest`.
   Panel(Eigen::Index rows, Eigen::Index largest, Eigen::Index columns)
       : A_(MatrixXd::Zero(std::min(rows, std::max(kManyRows * columns, columns + largest)), columns)) {}
 
-  /// The next rows, which are 0.
+  /// Returns the next rows, which are 0.
   auto add(Eigen::Index count) {
     if (next_ + count > A_.rows()) triangularizeWhatThereIs();
     next_ += count;
     return A_.middleRows(next_ - count, count);
   }
-  /// What is above the diagonal is all that counts.
+  /// Returns the rows; only the upper triangle counts.
   const MatrixXd& finish() {
     if (next_ > 0) triangularize(A_.topRows(next_));
     return A_;

@@ -1,6 +1,7 @@
-/// J = Q R by the multifrontal method: each front gathers the rows that begin in its columns and what its children left,
-/// triangularises them by Householder reflections and passes on the rows below its own pivots.
-///   source   Davis, "Algorithm 915, SuiteSparseQR: Multifrontal multithreaded rank-revealing sparse QR factorization", 2011
+/// J = Q R by the multifrontal method. Each front gathers the rows that begin in its columns and the rows left by its
+/// children. It triangularises them by Householder reflections and passes on the rows below its own pivots.
+///   source   Davis, "Algorithm 915, SuiteSparseQR: Multifrontal multithreaded rank-revealing sparse QR factorization",
+///            2011
 #pragma once
 
 #include <vector>
@@ -15,16 +16,16 @@ namespace slom {
 
 class MultifrontalQR {
  public:
-  /// `fronts`: of the graph of this structure, which must outlive this.
+  /// Plans the factorisation. `fronts`: those of the graph of this structure, which must outlive this object.
   void analyze(const BlockStructure& structure, Fronts fronts);
 
-  /// Factorises J diag(scale) with rows sqrt(damping) below (may be empty), both by unknown, and -r beside it. A pivot
-  /// below `tolerance` ends it: columns should have the length 1.
+  /// Factorises J diag(scale) with the rows sqrt(damping) below (may be empty), and -r beside it; scale and damping are
+  /// by unknown. Stops at a pivot below `tolerance`: columns should have length 1.
   SolveStatus factorize(const JacobianRows& rows, const Eigen::VectorXd& scale,
                         const Eigen::VectorXd& damping, double tolerance);
-  /// The x, by unknown, with R x = Q^T (-r).
+  /// Returns the x, by unknown, with R x = Q^T (-r).
   Eigen::VectorXd solve() const;
-  /// R^-1 R^-T b
+  /// Returns R^-1 R^-T b.
   Eigen::VectorXd solveNormal(const Eigen::VectorXd& b) const;
   const Fronts& fronts() const { return fronts_; }
 

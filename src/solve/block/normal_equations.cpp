@@ -11,7 +11,7 @@
 namespace slom {
 
 namespace {
-/// Faster for short arrays than std::fill_n, which calls memset.
+/// Clears an array. Faster for short arrays than std::fill_n, which calls memset.
 void clear(double* x, int n) { Eigen::Map<Eigen::VectorXd>(x, n).setZero(); }
 
 void addTo(double* sum, const double* x, int n) {
@@ -39,16 +39,17 @@ void NormalEquations::layOutMeasurements() {
   findDestinations();
 }
 
-/// Where each measurement adds to: the first partition that meets a block adds to H and g, each later one to a private accumulator.
+/// Finds the destination of each measurement. The first partition that meets a block adds to H and g, each later one to
+/// a private accumulator.
 void NormalEquations::findDestinations() {
   const int blocks = H_.begin(H_.columns()), count = structure_->blockCount();
   destination_.assign(structure_->groups.size(), {});
   place_of_.assign(partitions_.empty() ? 0 : structure_->groups.size(), {});
   accumulators_.clear();
   accumulator_size_ = 0;
-  std::vector<signed char> met(at(count), -1), touched(at(blocks), -1);  // the last partition that did
+  std::vector<signed char> met(at(count), -1), touched(at(blocks), -1);  // last partitions that did
   std::vector<int> place(at(count));                  // place of each block met, in that partition
-  std::unordered_map<int, int> accumulator_of_block;  // off the diagonal, the latest one
+  std::unordered_map<int, int> accumulator_of_block;  // the latest one of each block off the diagonal
   const auto make_accumulator = [&](int block, int column, int size) {
     accumulators_.push_back({block, column, accumulator_size_});
     accumulator_size_ += at(size);
@@ -102,7 +103,7 @@ void NormalEquations::findDestinations() {
   clearUntouched(touched);
 }
 
-/// Accumulators of diagonal blocks are places, after those of the blocks of the structure.
+/// Makes places for accumulators of diagonal blocks, after those of the blocks of the structure.
 void NormalEquations::placeAccumulators() {
   accumulator_values_.resize(accumulator_size_);
   if (accumulators_.empty()) place_of_.clear();
@@ -116,7 +117,8 @@ void NormalEquations::placeAccumulators() {
   }
 }
 
-/// Blocks off the diagonal to which no measurement adds are 0 once and for all. `partition`: the last one that adds to each block, or -1.
+/// Sets the blocks off the diagonal to which no measurement adds to 0, once. `partition`: the last one that adds to
+/// each block, or -1.
 void NormalEquations::clearUntouched(const std::vector<signed char>& partition) {
   for (int j = 0; j < H_.columns(); ++j) {
     for (int k = H_.begin(j) + 1; k < H_.begin(j + 1); ++k) {
@@ -125,7 +127,8 @@ void NormalEquations::clearUntouched(const std::vector<signed char>& partition) 
   }
 }
 
-/// Blocks off the diagonal are set to zero by the first measurement that adds to them, when they are in the cache anyway.
+/// Sets H and g to zero. The first measurement that adds to a block off the diagonal clears it, while it is in the
+/// cache.
 void NormalEquations::setZero() {
   std::fill_n(H_.values(0), H_.diagonalSize(), 0.0);
   std::fill_n(accumulator_values_.data(), accumulator_size_, 0.0);
@@ -146,14 +149,14 @@ void NormalEquations::addUp() {
   }
 }
 
-/// The entries of a block of H, or of a private accumulator: those are numbered after the blocks.
+/// Returns the entries of a block of H, or of a private accumulator; accumulators are numbered after the blocks.
 const double* NormalEquations::values(int block) const {
   const int blocks = H_.begin(H_.columns());
   return block < blocks ? H_.values(block)
                         : accumulator_values_.data() + accumulators_[at(block - blocks)].start;
 }
 
-/// The entries of a block off the diagonal, set to zero if nothing has been added to it yet.
+/// Returns the entries of a block off the diagonal, set to zero if nothing has been added to it yet.
 double* NormalEquations::begun(Destination destination, int size) {
   double* const entries = values(destination.block);
   if (destination.is_first) clear(entries, size);
@@ -164,7 +167,7 @@ const int* NormalEquations::placesOf(int group) const {
   return place_of_.empty() ? structure_->groups[at(group)].blocks.data() : place_of_[at(group)].data();
 }
 
-/// Measurements of two free variables, of one shape, that one call of a kernel adds.
+/// Measurements of two free variables, of the same shape, that one call of a kernel adds.
 struct NormalEquations::Pairs {
   static constexpr int kMost = 8;
   int rows = 0, later_dof = 0, earlier_dof = 0, count = 0;
@@ -172,8 +175,8 @@ struct NormalEquations::Pairs {
   dense::PairProduct pair[kMost];
 };
 
-/// Puts a measurement to those that are added together, with the same bits as product by product. False where no kernel does it, or where it has
-/// another shape than they.
+/// Appends a measurement to those that are added together, with the same bits as product by product. Returns false if
+/// no kernel does that, or if its shape differs from theirs.
 bool NormalEquations::append(const dense::Kernels& kernel, int rows, const int* places, const int* dof,
                              Destination destination, const double* J, const double* r, Pairs& pairs) {
   if (places[0] < 0 || places[1] < 0 || places[0] == places[1]) return false;

@@ -16,33 +16,34 @@ namespace slom {
 
 class NormalEquations {
  public:
-  /// `position`: of each block in the order of elimination. The graph has an edge for each pair of blocks that meet in a
-  /// measurement, and may have more, whose blocks are 0. The structure must outlive this object.
+  /// Lays out H. `position`: by block, its place in the order of elimination. The graph has an edge for each pair of
+  /// blocks that meet in a measurement, and may have more; the blocks of these are 0. The structure must outlive this
+  /// object.
   void layOut(const BlockStructure& structure, const BlockGraph& graph, const std::vector<int>& position);
   /// Repeats layOut after the measurements of the structure have changed, but not its graph.
   void layOutMeasurements();
   void setZero();
   void add(const JacobianBatch& batch);
-  /// After all batches: adds the private accumulators of the partitions to H and g.
+  /// Adds the private accumulators of the partitions to H and g. Call it after all batches.
   void addUp();
-  /// See JacobianSink::partitions: the partitions of the measurements. Where several of them add to a block, the first one adds to H and g, the
-  /// others to private accumulators.
+  /// Returns the partitions of the measurements, see JacobianSink::partitions. If several of them add to a block, the
+  /// first adds to H and g, the others to private accumulators.
   std::span<const MeasurementPlace> partitions() const { return partitions_; }
 
   const BlockLower& H() const { return H_; }
-  /// g = J^T r. As the other vectors, indexed by unknown in the order of the structure.
+  /// Returns g = J^T r. All vectors are indexed by unknown in the order of the structure.
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  /// The diagonal of H.
+  /// Returns the diagonal of H.
   const Eigen::VectorXd& diagonal() const { return diagonal_; }
-  /// d^T H d
+  /// Returns d^T H d.
   double squaredNormOfJd(const Eigen::VectorXd& d) const;
-  /// The position of a block of the structure in the order of elimination.
+  /// Returns the position of a block of the structure in the order of elimination.
   int position(int block) const { return place_[static_cast<std::size_t>(block)].column; }
-  /// First unknown of each position.
+  /// Returns the first unknown of each position.
   const std::vector<int>& offset() const { return offset_; }
 
  private:
-  /// Where a block of the structure adds to.
+  /// Destination of a block of the structure on the diagonal.
   struct Place {
     int column = -1;
     double* diagonal = nullptr;  ///< block of H
@@ -51,9 +52,9 @@ class NormalEquations {
   /// A block of H that two blocks of a measurement add to.
   struct Destination {
     int block : 31;
-    unsigned is_first : 1;  ///< nothing was added to it before
+    unsigned is_first : 1;  ///< nothing was added before
   };
-  /// A private accumulator of a partition: it is added to a block of H and, where that is on the diagonal, to its entries of g.
+  /// A private accumulator of a partition, to be added to a block of H and, for a diagonal block, to its entries of g.
   struct Accumulator {
     int block, column;
     std::size_t start;  ///< first of its entries
@@ -74,13 +75,13 @@ class NormalEquations {
 
   const BlockStructure* structure_ = nullptr;
   BlockLower H_;
-  std::vector<Place> place_;  // place of each block of the structure; after these, those of accumulators
+  std::vector<Place> place_;  // by block of the structure; then those of accumulators
   std::vector<int> offset_;
-  std::vector<std::vector<Destination>> destination_;  // for each group: measurement x pairs (k < l)
-  std::vector<MeasurementPlace> partitions_;           // where they begin; empty: there is only one
+  std::vector<std::vector<Destination>> destination_;  // by group: measurement x pairs (k < l)
+  std::vector<MeasurementPlace> partitions_;           // first measurement of each; empty: there is only one
   std::vector<Accumulator>
-      accumulators_;  // in the order of the partitions; destinations number them after the blocks of H
-  /// Indices into place_, for each group: measurement x arity. Empty where there are no accumulators: then places are blocks.
+      accumulators_;  // in the order of the partitions; destinations number them after H's blocks
+  /// Indices into place_, by group: measurement x arity. Empty if there are no accumulators: then places are blocks.
   std::vector<std::vector<int>> place_of_;
   dense::BigArray accumulator_values_;
   std::size_t accumulator_size_ = 0;

@@ -10,7 +10,7 @@ namespace slom {
 
 namespace {
 
-/// Columns after which what is fetched is needed, where the factor is larger than [numbers] caches are.
+/// Number of columns between prefetching and use, if the factor has more numbers than caches hold.
 constexpr int kColumnsAhead = 3;
 constexpr std::size_t kLargeFactor = 1 << 16;
 
@@ -24,7 +24,7 @@ PartialElimination::PartialElimination(const BlockLower& H, const PartialMinimum
   const int count = this->count();
   S_.layOut(blocks.left.graph, position);
   layOutFactor(H, count);
-  // Where a block of H in column e is in the factor.
+  // Returns the place in the factor of a block of H in column e.
   const auto in_factor = [&](int e, int block) {
     const Column& column = columns_[at(e)];
     return block == H.begin(e) ? column.V : column.W + (H.values(block) - H.values(H.begin(e) + 1));
@@ -41,7 +41,7 @@ PartialElimination::PartialElimination(const BlockLower& H, const PartialMinimum
       rows += height_.back();
     }
     target_.resize(target_.size() + at(column.below * (column.below + 1) / 2));
-    // The rows of each of its neighbours' columns, among which its own are: both are sorted.
+    // Each neighbour's column contains the rows of this column; both are sorted.
     const int* const row = row_.data() + column.first_below;
     for (int l = 0; l < column.below; ++l) {
       const bool is_kept = row[l] >= count;
@@ -58,7 +58,7 @@ PartialElimination::PartialElimination(const BlockLower& H, const PartialMinimum
   }
 }
 
-/// As H: first its diagonal blocks, then those below them.
+/// Lays out the factor as H: first its diagonal blocks, then those below them.
 void PartialElimination::layOutFactor(const BlockLower& H, int count) {
   diagonal_size_ = below_size_ = 0;
   const auto size = [&](int e, int k) { return at(H.dof(e)) * at(H.dof(H.row(k))); };
@@ -80,7 +80,7 @@ void PartialElimination::layOutFactor(const BlockLower& H, int count) {
 
 SolveStatus PartialElimination::reduce(const BlockLower& H, const std::vector<int>& offset,
                                        const Eigen::VectorXd& damping, double tolerance, Eigen::VectorXd* x) {
-  // Both are laid out as parts of H.
+  // The diagonal blocks and those below are laid out as parts of H.
   const double* from = H.values(0);
   const auto take = [&](std::size_t size, double* to) {
     std::copy_n(from, size, to);
@@ -124,7 +124,7 @@ SolveStatus PartialElimination::reduce(const BlockLower& H, const std::vector<in
 void PartialElimination::prefetchTargets(const Column& column) const {
   for (int t = 0; t < column.below * (column.below + 1) / 2; ++t) {
     const double* const target = target_[at(column.first_target + t)];
-    dense::prefetch(target, target + 9);  // as much as most have
+    dense::prefetch(target, target + 9);  // as much as most blocks have
   }
 }
 
@@ -161,7 +161,7 @@ void PartialElimination::substitute(const BlockLower&, const std::vector<int>& o
 void PartialElimination::invert(const BlockLower& H, const BlockLower& Z, BlockLower& inverse) const {
   using Eigen::MatrixXd;
   using Block = Eigen::Map<const MatrixXd>;
-  /// Block (i, j) of the inverse that is there already, i and j being positions in H.
+  /// Returns block (i, j) of the inverse, which must be known; i and j are positions in H.
   const auto known = [&](int i, int j) -> MatrixXd {
     const int high = std::max(i, j), low = std::min(i, j);
     const bool is_kept = low >= count();
@@ -177,7 +177,7 @@ void PartialElimination::invert(const BlockLower& H, const BlockLower& Z, BlockL
     const MatrixXd L = V.triangularView<Eigen::UnitLower>();
     const MatrixXd L_inverse = L.triangularView<Eigen::UnitLower>().solve(MatrixXd::Identity(d, d));
     const MatrixXd half = V.diagonal().asDiagonal() * L_inverse;  // D^-1 L^-1
-    std::vector<MatrixXd> T;                                      // W V^-1 of each block below
+    std::vector<MatrixXd> T;                                      // by block below: W V^-1
     const double* W = column.W;
     for (int i = 0; i < column.below; ++i) {
       const int height = height_[at(column.first_below + i)];

@@ -1,5 +1,5 @@
-/// Elimination of blocks with few neighbours, one after the other, into the system of the others: a block
-/// Cholesky factorisation V = L D L^T, column by column, whose updates go straight to where they belong.
+/// Elimination of blocks with few neighbours, one after another, into the system of the others. It is a block Cholesky
+/// factorisation V = L D L^T, column by column. Its updates go directly to their destinations.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace slom {
 
 class PartialElimination final : public Elimination {
  public:
-  /// H is laid out for `blocks.filled`. `position`: of each kept block in S.
+  /// Plans the elimination. H is laid out for `blocks.filled`. `position`: place of each kept block in S.
   PartialElimination(const BlockLower& H, const PartialMinimumDegree& blocks,
                      const std::vector<int>& position);
 
@@ -48,12 +48,12 @@ class PartialElimination final : public Elimination {
   BlockLower S_;
   double flops_ = 0;
   std::vector<Column> columns_;
-  std::vector<int> dof_;           // degrees of freedom of each column
-  std::vector<int> height_, row_;  // heights of the blocks below the diagonal ones, and their positions in H
-  std::vector<double*> target_;    // for each pair (i, j <= i) of blocks below: a block of factor_ or S_
+  std::vector<int> dof_;           // by column: degrees of freedom
+  std::vector<int> height_, row_;  // of the blocks below the diagonal: heights, positions in H
+  std::vector<double*> target_;    // by pair (i, j <= i) of blocks below: a block of factor_ or S_
   std::size_t diagonal_size_ = 0, below_size_ = 0;  // sizes of the eliminated part
   dense::BigArray factor_;
-  std::vector<double> least_;  // pivots, by unknown in the order of elimination
+  std::vector<double> least_;  // least pivots, by unknown in the order of elimination
 };
 
 }  // namespace slom

@@ -7,13 +7,13 @@
 namespace slom {
 
 namespace {
-/// The measurements are partitioned into at most 2^kMostHalvings contiguous ranges. A range holds at least kFewestMeasurements
-/// measurements, starts at a multiple of kPartitionAlignment, the batch size of the linearisation, and keeps its private accumulators below
-/// kMostPrivatePerProduct numbers per product.
+/// Limits of the partitions: at most 2^kMostHalvings contiguous ranges of measurements. A range has at least
+/// kFewestMeasurements measurements and starts at a multiple of kPartitionAlignment, the batch size of the
+/// linearisation. Private accumulators have fewer than kMostPrivatePerProduct numbers per product.
 constexpr int kMostHalvings = 4, kFewestMeasurements = 256, kPartitionAlignment = 64;
 constexpr double kMostPrivatePerProduct = 1.0 / 8;
 
-/// Number of products that measurement m adds to the blocks of H.
+/// Returns the number of products that measurement m adds to the blocks of H.
 double productsOf(const BlockStructure& structure, const MeasurementGroup& group, int m) {
   double sum = 0, before = 0;
   for (int k = 0; k < group.arity; ++k) {
@@ -25,7 +25,7 @@ double productsOf(const BlockStructure& structure, const MeasurementGroup& group
   return sum;
 }
 
-/// Cuts the measurements into at most `count` partitions of about the same work; returns where they begin.
+/// Cuts the measurements into at most `count` partitions of about the same work. Returns their first measurements.
 std::vector<MeasurementPlace> cut(const BlockStructure& structure, int count) {
   const auto workOf = [&](const MeasurementGroup& group) {
     return group.size() == 0 ? 0.0 : productsOf(structure, group, 0) * group.size();
@@ -57,7 +57,7 @@ std::vector<MeasurementPlace> choosePartitions(const BlockStructure& structure) 
   if (halvings == 0) return {};
   const std::vector<MeasurementPlace> finest = cut(structure, 1 << halvings);
   double products = 0;
-  // Entries of private accumulators with all the finest partitions, with a half of them, a quarter, ...
+  // accumulators[s] counts entries of private accumulators with the finest partitions, a half of them, a quarter, ...
   double accumulators[kMostHalvings] = {};
   std::vector<signed char> met(at(structure.blockCount()), -1);
   int partition = 0;

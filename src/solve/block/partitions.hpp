@@ -1,4 +1,4 @@
-/// Partitions of the measurements, which threads add up side by side.
+/// Partitions of the measurements, which threads add up in parallel.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,13 @@
 
 namespace slom {
 
-/// Partitions the measurements into contiguous ranges of about the same work; returns where they begin. As many of them as the limits on
-/// their size and on their private accumulators allow; none where that is one. A partition needs private accumulators for each block of H
-/// that an earlier partition has added to. The result depends on the structure alone, not on the number of threads.
+/// Partitions the measurements into contiguous ranges of about the same work. Returns their first measurements, or
+/// nothing if there is only one range. There are as many ranges as the limits on their size and on their private
+/// accumulators allow. A partition needs private accumulators for each block of H that an earlier partition has added
+/// to. The result depends only on the structure, not on the number of threads.
 std::vector<MeasurementPlace> choosePartitions(const BlockStructure& structure);
 
-/// The partition that the measurement is in, which is not before `partition`.
+/// Returns the partition of the measurement. The search begins at `partition`, which must not be behind it.
 int partitionOf(const std::vector<MeasurementPlace>& partitions, int partition,
                 const MeasurementPlace& measurement);
 

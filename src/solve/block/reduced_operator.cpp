@@ -58,7 +58,7 @@ SolveStatus ReducedOperator::prepare(const BlockLower& H, const std::vector<int>
   return {};
 }
 
-/// Leaves inverse_ empty where the block is not positive definite.
+/// Prepares the preconditioner's block. Leaves inverse_ empty if the block is not positive definite.
 void ReducedOperator::prepareRow(int c, const std::vector<int>& offset, const VectorXd& damping) {
   const int j = eliminated_.count() + c, height = dof(c);
   MatrixXd& D = diagonal_[at(c)];
@@ -128,7 +128,7 @@ void ReducedOperator::applyDiagonal(const VectorXd& r, VectorXd& z) const {
 void ReducedOperator::precondition(const VectorXd& r, VectorXd& z) {
   applyDiagonal(r, z);
   if (preconditioner_ != Preconditioner::power_series) return;
-  // S = D - E, so that S^-1 = sum_i (D^-1 E)^i D^-1 and D^-1 E t = t - D^-1 S t.
+  // With S = D - E: S^-1 = sum_i (D^-1 E)^i D^-1 and D^-1 E t = t - D^-1 S t.
   VectorXd t = z;
   for (int i = 0; i < kPowerSeriesTerms; ++i) {
     multiply(t, image_);
@@ -165,7 +165,7 @@ ConjugateGradientsOutcome conjugateGradients(ReducedOperator& S, const VectorXd&
     S.multiply(p, image);
     const double curvature = p.dot(image);
     if (!(curvature > 0)) {
-      outcome.ok = outcome.iterations > 0;  // what was found so far still goes downhill
+      outcome.ok = outcome.iterations > 0;  // the solution so far still leads downhill
       outcome.has_converged = false;
       return outcome;
     }

@@ -1,5 +1,5 @@
-/// The reduced system S = H_cc + damping - W (V + damping)^-1 W^T without its blocks: products with it, and
-/// preconditioners. With nothing eliminated it is H + damping.
+/// The reduced system S = H_cc + damping - W (V + damping)^-1 W^T without its blocks: products with S, and
+/// preconditioners. If nothing is eliminated, S is H + damping.
 ///   source   Agarwal, Snavely, Seitz and Szeliski, "Bundle adjustment in the large", 2010, section 3;
 ///            Weber, Demmel, Chan and Cremers, "Power bundle adjustment for large-scale 3D reconstruction", 2023
 #pragma once
@@ -13,25 +13,26 @@
 
 namespace slom {
 
-/// Vectors of the reduced system have the unknowns of the blocks that are left, by their position in H.
+/// The operator. Vectors of the reduced system have the unknowns of the remaining blocks, by their position in H.
 class ReducedOperator {
  public:
   using Preconditioner = BlockSolverOptions::Preconditioner;
 
-  /// The first `eliminated` columns of H are eliminated.
+  /// Prepares the structure. The first `eliminated` columns of H are eliminated.
   void analyze(const BlockLower& H, int eliminated, Preconditioner preconditioner);
-  /// What is used, which is schur_jacobi where the power series might diverge.
+  /// Returns the preconditioner in use: schur_jacobi if the power series might diverge.
   Preconditioner preconditioner() const { return preconditioner_; }
   int size() const { return start_.back(); }
   const EliminatedBlocks& eliminated() const { return eliminated_; }
 
-  /// Prepares products for these numbers of H, which must stay as they are until the last one. Vectors by unknown; offset: first
-  /// unknown of each position of H. A pivot below the share `tolerance` of its diagonal entry ends it.
+  /// Prepares products with these numbers of H, which must not change until the last product. Vectors are by unknown;
+  /// offset: first unknown of each position of H. Stops at a pivot below the fraction `tolerance` of its diagonal
+  /// entry.
   SolveStatus prepare(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
                       double tolerance);
-  /// y := S x
+  /// Computes y := S x.
   void multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y);
-  /// z := M^-1 r with an M near S.
+  /// Computes z := M^-1 r with an M close to S.
   void precondition(const Eigen::VectorXd& r, Eigen::VectorXd& z);
 
   Eigen::VectorXd reducedOf(const Eigen::VectorXd& full, const std::vector<int>& offset) const;
@@ -51,8 +52,8 @@ class ReducedOperator {
   const BlockLower* H_ = nullptr;
   Preconditioner preconditioner_ = Preconditioner::schur_jacobi;
   EliminatedBlocks eliminated_;
-  std::vector<int> start_;                     // first unknown of each block that is left
-  std::vector<int> first_;                     // first neighbour of each block that is left
+  std::vector<int> start_;                     // first unknown of each remaining block
+  std::vector<int> first_;                     // first neighbour of each remaining block
   std::vector<Neighbour> neighbours_;          // in its row of H
   std::vector<std::size_t> eliminated_start_;  // start of each eliminated block in images_
   std::vector<double> images_;                 // -V^-1 W^T x
@@ -61,14 +62,14 @@ class ReducedOperator {
   Eigen::VectorXd term_, image_;
 };
 
-/// What conjugate gradients did.
+/// Outcome of conjugate gradients.
 struct ConjugateGradientsOutcome {
   int iterations = 0;
-  bool ok = true;             ///< false when S is not positive definite
-  bool has_converged = true;  ///< false as well where the iterations ended before the tolerance was reached
+  bool ok = true;             ///< false: S is not positive definite
+  bool has_converged = true;  ///< false also if iterations ended before the tolerance was reached
 };
 
-/// S x = b, from x = 0, until |b - S x|_(M^-1) <= tolerance |b|_(M^-1).
+/// Solves S x = b from x = 0, until |b - S x|_(M^-1) <= tolerance |b|_(M^-1).
 ///   source   Hestenes and Stiefel, "Methods of conjugate gradients for solving linear systems", 1952
 ConjugateGradientsOutcome conjugateGradients(ReducedOperator& S, const Eigen::VectorXd& b, double tolerance,
                                              int max_iterations, Eigen::VectorXd& x);

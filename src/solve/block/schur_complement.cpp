@@ -13,14 +13,16 @@ namespace slom {
 
 namespace {
 
-/// With more blocks left, the block of S at a place is searched for instead of looked up.
+/// Number of remaining blocks up to which a table gives the block of S at a place. With more, the block is searched
+/// for.
 constexpr int kMostInTable = 1024;
-/// Eliminated blocks that are worked on together, so that what they share stays in the cache.
+/// Number of eliminated blocks that are processed together, so that shared data stay in the cache.
 constexpr int kPerWave = 128;
-/// Entries of a further private accumulator of S per pair of blocks, at most, so that one thread alone loses little.
+/// Largest number of entries of a further private accumulator of S per pair of blocks, so that a single thread loses
+/// little.
 constexpr double kEntriesPerPair = 0.2;
 constexpr int kMostPartitions = 8;
-/// Fewer in a wave are not worth being shared by threads.
+/// Number of pairs in a wave below which threads do not share them.
 constexpr int kFewestSharedPairs = 1 << 14;
 
 }  // namespace
@@ -65,7 +67,7 @@ int SchurComplement::choosePartitions() const {
                                kMostPartitions, waves()}));
 }
 
-/// Finds blocks of S, and counts.
+/// Finder and counter of blocks of S.
 class SchurComplement::Places {
  public:
   explicit Places(const BlockLower& S) : count(at(S.begin(S.columns()) + S.columns()), 0), S_(S) {
@@ -80,12 +82,12 @@ class SchurComplement::Places {
     return table_.empty() ? S_.find(row, column) : table_[at(row) * at(S_.columns()) + at(column)];
   }
 
-  std::vector<int> count;  // pairs of each block, and of those of the right-hand side
-  std::vector<int> found;  // blocks, of the pairs of a wave
+  std::vector<int> count;  // number of pairs of each block and of each right-hand side
+  std::vector<int> found;  // block of each pair of a wave
 
  private:
   const BlockLower& S_;
-  std::vector<int> table_;  // when there are few
+  std::vector<int> table_;  // if there are few blocks
 };
 
 void SchurComplement::listPairs(const BlockLower& H) {
@@ -106,7 +108,7 @@ void SchurComplement::listPairs(const BlockLower& H) {
   meeting_.push_back({-1, static_cast<int>(pair_.size())});
 }
 
-/// Sorts the pairs of a wave by block, by counting.
+/// Lists the pairs of a wave, sorted by block, by counting.
 void SchurComplement::listWave(const BlockLower& H, int wave, Places& places) {
   const int end = std::min(wave + kPerWave, eliminated_.count());
   const auto first = static_cast<std::ptrdiff_t>(meeting_.size());
@@ -152,8 +154,8 @@ void SchurComplement::listWave(const BlockLower& H, int wave, Places& places) {
     places.count[at(meeting->block)] = 0;
 }
 
-/// For each neighbour of e: Y := W L^-T, with filled-up columns and, where e is smaller than others, columns
-/// of 0.
+/// Computes Y := W L^-T for each neighbour of e, with padded columns. If e is smaller than others, appends columns of
+/// 0.
 void SchurComplement::halfReduce(const BlockLower& H, int e, double* Y) const {
   const auto solve_right = dense::kernels().solveRight;
   const int d = H.dof(e);
@@ -165,7 +167,7 @@ void SchurComplement::halfReduce(const BlockLower& H, int e, double* Y) const {
   }
 }
 
-/// y := (L^-1 b)^T, filled up in the same way.
+/// Computes y := (L^-1 b)^T, padded in the same way.
 void SchurComplement::halfReduce(const double* b, int e, int d, double* y) const {
   double solved[kLargestIndependent] = {};
   std::copy_n(b, d, solved);
@@ -173,7 +175,7 @@ void SchurComplement::halfReduce(const double* b, int e, int d, double* y) const
   for (int c = 0; c < depth_; ++c) y[c * dense::paddedRows(1)] = c < d ? solved[c] : 0;
 }
 
-/// S := H_cc
+/// Sets S := H_cc.
 void SchurComplement::start(const BlockLower& H) {
   detail::forEachIndex(S_.columns(), [&](int j) {
     for (int k = S_.begin(j); k < S_.begin(j + 1); ++k) {
@@ -199,7 +201,7 @@ EliminatedBlocks::Failure SchurComplement::reduceWave(const BlockLower& H, const
     if (b != nullptr) halfReduce(b->data() + offset[at(e)], e, H.dof(e), Y_e);
     halfReduce(H, e, Y_e + vectorSize());
   }
-  // Each block adds up in registers what it takes.
+  // Each block adds up its terms in registers.
   const auto subtract_outers = dense::kernels().subtractOuters;
   const int blocks = S_.begin(S_.columns());
   const int first_meeting = first_meeting_[at(wave)], last_meeting = first_meeting_[at(wave + 1)];

@@ -1,4 +1,4 @@
-// The entries of the inverse at the places of the matrix's own blocks, from the root of the tree downwards.
+// Entries of the inverse at the places of the matrix's own blocks, from the root of the tree downwards.
 #include "base/index.hpp"
 #include "base/threads.hpp"
 #include "front_inverse.hpp"
@@ -8,7 +8,8 @@ namespace slom {
 
 using Eigen::MatrixXd;
 
-/// Front f's part of the inverse, pivots first; `above` is that of its parent. Writes the blocks of its columns into Z.
+/// Returns front f's part of the inverse, pivots first; `above` is that of its parent. Writes the blocks of its columns
+/// into Z.
 Eigen::MatrixXd MultifrontalCholesky::invertFront(int f, const MatrixXd& above, BlockLower& Z) const {
   const Front& front = fronts_.front[at(f)];
   const Layout& layout = layout_[at(f)];
@@ -30,7 +31,7 @@ Eigen::MatrixXd MultifrontalCholesky::invertFront(int f, const MatrixXd& above, 
 
 void MultifrontalCholesky::invertSelected(BlockLower& Z) const {
   std::vector<MatrixXd> inverse(fronts_.front.size());
-  std::vector<int> waiting(fronts_.front.size(), 0);  // children to come, of fronts below the top
+  std::vector<int> waiting(fronts_.front.size(), 0);  // number of children to come, for fronts below the top
   const auto invert = [&](int t) {
     for (auto f = subtree_[at(t)].rbegin(); f != subtree_[at(t)].rend(); ++f) {
       const Layout& layout = layout_[at(*f)];

@@ -1,5 +1,5 @@
-/// An array of numbers that begin as anything. A large one is laid on huge pages where the system has them: most of the
-/// time of a first factorisation would go into handing out small ones.
+/// An array of numbers with undefined initial values. If the system has huge pages, a large array is placed on them.
+/// Otherwise, handing out small pages would take most of the time of a first factorisation.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ class BigArray {
   BigArray(BigArray&&) = default;
   BigArray& operator=(BigArray&&) = default;
 
-  /// Discards its content.
+  /// Resizes the array and discards its content.
   void resize(std::size_t size) {
     if (size <= capacity_) return;
     numbers_.reset();
@@ -33,7 +33,7 @@ class BigArray {
     if (!numbers_) throw std::bad_alloc();
     capacity_ = size;
 #ifdef __linux__
-    if (is_large) madvise(numbers_.get(), bytes, MADV_HUGEPAGE);  // a wish: nothing depends on it
+    if (is_large) madvise(numbers_.get(), bytes, MADV_HUGEPAGE);  // a hint: nothing depends on it
 #endif
   }
   double* data() { return numbers_.get(); }

@@ -1,4 +1,4 @@
-/// Where the rows of a child's update lie in the front of its parent.
+/// Places of the rows of a child's update in the front of its parent.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,15 @@
 namespace slom::dense {
 
 struct ChildRows {
-  std::vector<Run> pieces;   ///< contiguous there, and on one side of the last pivot
-  std::vector<Run> runs;     ///< pieces cut at stripes of either
+  std::vector<Run> pieces;   ///< contiguous in both, and on one side of the last pivot
+  std::vector<Run> runs;     ///< pieces cut at the stripes of both
   std::vector<int> columns;  ///< kStripe times the parent's row of each
   bool is_sorted = true;     ///< in the order of the parent's rows
 
   void clear();
-  /// The next `count` rows begin at `target` of a front with p pivots.
+  /// Adds the next `count` rows, which begin at `target` of a front with p pivots.
   void add(int target, int count, int p);
-  /// Makes runs and columns once all rows have been added.
+  /// Makes runs and columns. Call it after all rows have been added.
   void finish(int p);
 
   int rows() const { return pieces.empty() ? 0 : pieces.back().row + pieces.back().length; }

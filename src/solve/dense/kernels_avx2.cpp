@@ -1,4 +1,4 @@
-// The kernels for processors with AVX2 and FMA; compiled with these switched on.
+// Kernels for processors with AVX2 and FMA, compiled with these enabled.
 #include "kernels.inl"
 
 namespace slom::dense {

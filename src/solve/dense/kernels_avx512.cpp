@@ -1,4 +1,4 @@
-// The kernels for processors with AVX-512 (F, VL and DQ); compiled with these switched on.
+// Kernels for processors with AVX-512 (F, VL and DQ), compiled with these enabled.
 #include "kernels.inl"
 
 namespace slom::dense {

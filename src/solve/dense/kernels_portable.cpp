@@ -1,4 +1,4 @@
-// The kernels for any processor.
+// Kernels for any processor.
 #include "kernels.inl"
 
 namespace slom::dense {

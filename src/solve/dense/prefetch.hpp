@@ -1,4 +1,4 @@
-/// Memory that will be written soon is brought into the cache.
+/// Prefetching of memory that will be written soon.
 #pragma once
 
 namespace slom::dense {

@@ -1,4 +1,4 @@
-/// A structure without its empty blocks, which orders and factors need not know of.
+/// A structure without its empty blocks, so that orders and factors need not handle them.
 #pragma once
 
 #include <memory>
@@ -14,11 +14,11 @@ struct CompactStructure {
   std::vector<int>
       block;  ///< block that each block of the whole structure is here, -1 if that is empty; no entries if none is empty
 
-  /// Blocks of H^-1 by the numbers of the whole structure.
+  /// Returns blocks of H^-1 by the numbers of the whole structure.
   std::unique_ptr<InverseBlocks> renumbered(std::unique_ptr<InverseBlocks> blocks) const;
 };
 
-/// Unknowns keep their numbers.
+/// Removes the empty blocks. Unknowns keep their numbers.
 CompactStructure compact(const BlockStructure& structure);
 
 }  // namespace slom

@@ -1,4 +1,4 @@
-/// The graph of blocks: an edge between any two that meet in a measurement.
+/// The graph of blocks, with an edge between any two that meet in a measurement.
 #pragma once
 
 #include <vector>
@@ -18,11 +18,11 @@ struct BlockGraph {
 
 BlockGraph makeGraph(const BlockStructure& structure);
 
-/// The graph of the blocks that are left when others have been eliminated; two are neighbours if they were, or if both
-/// had an eliminated one as neighbour.
+/// The graph of the blocks that remain after others are eliminated. Two blocks are neighbours if they were before, or
+/// if both were neighbours of an eliminated block.
 struct ReducedGraph {
   BlockGraph graph;
-  std::vector<int> block;  ///< block of the full graph that each node is; ascending
+  std::vector<int> block;  ///< by node: its block of the full graph, ascending
 };
 
 }  // namespace slom

@@ -8,9 +8,10 @@ namespace slom {
 
 namespace {
 
-/// Fewer are left to the ordering.
+/// Number of independent blocks below which the ordering handles them.
 constexpr int kFewestEliminated = 64;
-/// In graphs without such a structure, paths for one, fewer of all blocks are independent.
+/// Fraction of all blocks below which independent blocks do not count: graphs without such a structure, such as paths,
+/// have fewer.
 constexpr double kLeastShare = 2.0 / 3;
 
 }  // namespace

@@ -1,4 +1,5 @@
-/// Small blocks that never meet each other, as points do that cameras see. They can all be eliminated at once, each by itself.
+/// Small blocks that never meet each other, such as points seen by cameras. All of them can be eliminated
+/// independently.
 #pragma once
 
 #include <vector>
@@ -7,14 +8,14 @@
 
 namespace slom {
 
-/// Degrees of freedom of a block, at most.
+/// Largest number of degrees of freedom of such a block.
 inline constexpr int kLargestIndependent = 3;
 
-/// Whether each block is one of them; blocks with few neighbours are taken before others. Empty unless they are most of all
-/// blocks.
+/// Returns, by block, whether it is such a block. Blocks with few neighbours are taken first. Empty unless most blocks
+/// are such blocks.
 std::vector<char> independentBlocks(const BlockGraph& graph);
 
-/// What is left without the eliminated blocks, of which no two meet.
+/// Returns the graph without the eliminated blocks, of which no two meet.
 ReducedGraph reduceGraph(const BlockGraph& graph, const std::vector<char>& eliminated);
 
 }  // namespace slom

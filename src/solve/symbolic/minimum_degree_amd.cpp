@@ -10,11 +10,11 @@ namespace slom {
 std::vector<int> orderByMinimumDegree(const BlockGraph& graph) {
   std::vector<int> order(graph.dof.size());
   std::iota(order.begin(), order.end(),
-            0);  // as good as any where there are no edges, which AMD does not take
+            0);  // any order will do without edges; AMD does not accept that
   if (graph.neighbour.empty()) return order;
   const int status =
       amd_order(graph.size(), graph.start.data(), graph.neighbour.data(), order.data(), nullptr, nullptr);
-  if (status != AMD_OK) throw std::bad_alloc();  // the only other outcome for a graph that is well formed
+  if (status != AMD_OK) throw std::bad_alloc();  // the only other outcome for a well-formed graph
   return order;
 }
 

@@ -1,4 +1,4 @@
-// Minimum degree by Eigen, where SuiteSparse's AMD is not there.
+// Minimum degree by Eigen, for builds without SuiteSparse's AMD.
 #include <algorithm>
 
 #include <Eigen/OrderingMethods>

@@ -1,4 +1,4 @@
-// No nested dissection, where METIS is not there.
+// Nested dissection in builds without METIS: there is none.
 #include "ordering.hpp"
 
 namespace slom {

@@ -8,16 +8,16 @@
 
 namespace slom {
 
-/// Approximate minimum degree.
+/// Returns the order by approximate minimum degree.
 ///   source   Amestoy, Davis and Duff, "An approximate minimum degree ordering algorithm", 1996
 std::vector<int> orderByMinimumDegree(const BlockGraph& graph);
 
-/// Nested dissection; empty where the library was built without METIS.
+/// Returns the order by nested dissection; empty if the library was built without METIS.
 ///   source   Karypis and Kumar, "A fast and high quality multilevel scheme for partitioning irregular graphs", 1998
 std::vector<int> orderByNestedDissection(const BlockGraph& graph);
 
-/// The fronts by minimum degree, or by nested dissection where that needs fewer operations; it is tried only where the
-/// operations that it may save are worth its time.
+/// Returns the fronts by minimum degree, or by nested dissection if that needs fewer operations. Nested dissection is
+/// tried only if the operations that it may save are worth its time.
 Fronts chooseFronts(const BlockGraph& graph);
 
 }  // namespace slom

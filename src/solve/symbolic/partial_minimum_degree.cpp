@@ -11,15 +11,13 @@ namespace slom {
 
 namespace {
 
-/// Fewer, or a smaller share of all blocks, are left to the ordering.
+/// Number of eliminated blocks, and fraction of all blocks, below which the ordering handles them.
 constexpr int kFewestOfMinimumDegree = 16;
 constexpr double kLeastShareOfMinimumDegree = 0.2;
-/// Where a block has more neighbours, looking for one among them takes too long; its neighbours are not
-/// eliminated.
+/// Number of neighbours above which a block's neighbours are not eliminated, because searching its list takes too long.
 constexpr int kMostNeighbours = 48;
 
-/// The graph while blocks are eliminated: lists of neighbours that move to the end of the storage when they
-/// grow.
+/// The graph during elimination, with lists of neighbours. A list that grows moves to the end of the storage.
 class GraphElimination {
  public:
   explicit GraphElimination(const BlockGraph& graph)
@@ -51,7 +49,7 @@ class GraphElimination {
       for (const int b : candidates) {
         if (rows_[at(b)] != rows || is_gone(b)) continue;
         if (round_[at(b)] == round) {
-          lowest->push_back(b);  // it met one of this round
+          lowest->push_back(b);  // it met a block of this round
           continue;
         }
         if (eliminate(b, round)) order.push_back(b);
@@ -86,13 +84,13 @@ class GraphElimination {
     return true;
   }
 
-  /// Where b was, c has the `count` blocks in `own` as neighbours, of which it is one; place_ says where they are.
+  /// Replaces b by the `count` blocks in `own` in the list of c, which is one of them. place_ gives their indices.
   void connect(int c, int b, const int* own, int count) {
     std::uint32_t has = std::uint32_t{1} << place_[at(c)];
     int* const list = neighbour_.data() + first_[at(c)];
     int found = 0;
     for (int i = 0; i < count_[at(c)]; ++i) {
-      const int other = list[i], place = place_[at(other)];  // anything for blocks that are not in `own`
+      const int other = list[i], place = place_[at(other)];  // undefined for blocks that are not in `own`
       if (other == b) found = i;
       if (place < count && own[place] == other) has |= std::uint32_t{1} << place;
     }
@@ -116,12 +114,12 @@ class GraphElimination {
   }
 
   const std::vector<int>& dof_;
-  std::vector<int> first_, count_, room_;  // range of each block's neighbours; room -1: the block is gone
-  std::vector<int> rows_;                  // degrees of freedom of each block's neighbours
-  std::vector<int> round_;                 // the last one in which a neighbour was eliminated
-  std::vector<int> place_;                 // index of each neighbour of the block being eliminated
+  std::vector<int> first_, count_, room_;  // by block: range of its neighbours; room -1: eliminated
+  std::vector<int> rows_;                  // by block: degrees of freedom of its neighbours
+  std::vector<int> round_;                 // by block: last round in which a neighbour was eliminated
+  std::vector<int> place_;                 // by neighbour of the block being eliminated: its index
   std::vector<int> neighbour_;
-  std::array<std::vector<int>, kMostRowsBelow + 1> waiting_;  // blocks by rows; some have others by now
+  std::array<std::vector<int>, kMostRowsBelow + 1> waiting_;  // blocks by rows; some entries are outdated
 };
 
 }  // namespace

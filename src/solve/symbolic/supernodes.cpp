@@ -10,18 +10,19 @@ namespace slom {
 
 namespace {
 
-/// Fronts with more pivots are cut into chains, so that a stripe of the panel stays in the first-level cache.
+/// Number of pivots above which a front is cut into a chain, so that a stripe of the panel stays in the first-level
+/// cache.
 constexpr int kMostPivots = 144;
 
-/// Estimated nanoseconds for a front: assembly, factorisation, passing the update on. Only ratios matter; fitted to
-/// measured times of the kernels.
+/// Returns the estimated time of a front [ns]: assembly, factorisation, and passing the update on. Only ratios matter.
+/// Fitted to measured times of the kernels.
 double cost(double p, double u) {
   const double padded = 12 * std::ceil(u / 12);
   const double panel = p * (p / 2 + padded), update = u * padded / 2;
   return 350 + 20 * p + 0.5 * panel + 0.9 * update + 0.045 * p * (p * p / 3 + p * padded + u * padded);
 }
 
-/// The parent of each node in the elimination tree; -1 for roots.
+/// Returns the parent of each node in the elimination tree; -1 for roots.
 ///   source   Liu 1990, algorithm 4.2: path compression by `ancestor`
 std::vector<int> eliminationTree(const BlockGraph& graph, const std::vector<int>& order,
                                  const std::vector<int>& position) {
@@ -41,7 +42,7 @@ std::vector<int> eliminationTree(const BlockGraph& graph, const std::vector<int>
   return parent;
 }
 
-/// The nodes of a forest, children before parents and subtrees together.
+/// Returns the nodes of a forest, children before parents and each subtree contiguous.
 std::vector<int> postorder(const std::vector<int>& parent) {
   const int n = static_cast<int>(parent.size());
   std::vector<int> first_child(at(n), -1), sibling(at(n), -1), result, stack;
@@ -75,8 +76,8 @@ std::vector<int> inverse(const std::vector<int>& order) {
   return position;
 }
 
-/// Number of blocks below the diagonal in each column of the factor, and of their degrees of freedom: row i of the factor
-/// has the nodes on the ways from i's earlier neighbours up to i.
+/// Number of blocks below the diagonal in each column of the factor, and their degrees of freedom. Row i of the factor
+/// has the nodes on the paths from i's earlier neighbours up to i.
 struct ColumnCounts {
   std::vector<int> blocks, dof;
 };
@@ -99,7 +100,7 @@ ColumnCounts countColumns(const BlockGraph& graph, const std::vector<int>& order
   return count;
 }
 
-/// A front while fronts are being merged.
+/// A front during merging of fronts.
 struct Node {
   int p = 0, u = 0;
   int parent = -1;
@@ -107,13 +108,13 @@ struct Node {
   int first_child = -1, next = -1;  // its first child; the next child of its parent
 };
 
-/// Fronts, and of each column the one that it belongs to.
+/// Fronts, and by column its front.
 struct Nodes {
   std::vector<Node> node;
   std::vector<int> of_column;
 };
 
-/// Neighbouring columns with the same rows below them.
+/// Makes fronts of neighbouring columns with the same rows below them.
 Nodes fundamentalSupernodes(const BlockGraph& graph, const std::vector<int>& order,
                             const std::vector<int>& parent, const ColumnCounts& count) {
   Nodes nodes;
@@ -138,7 +139,7 @@ Nodes fundamentalSupernodes(const BlockGraph& graph, const std::vector<int>& ord
   return nodes;
 }
 
-/// Merges children into parents where one larger front costs less than two.
+/// Merges children into parents if one larger front costs less than two.
 void amalgamate(std::vector<Node>& nodes) {
   const int n = static_cast<int>(nodes.size());
   std::vector<int> own, kept;
@@ -146,7 +147,7 @@ void amalgamate(std::vector<Node>& nodes) {
     Node& node = nodes[at(i)];
     own.clear();
     for (int c = node.first_child; c >= 0; c = nodes[at(c)].next) own.push_back(c);
-    // The child whose rows fill the front best comes first: the others then see the larger front.
+    // The child whose rows fill the front best comes first, so that the others see the larger front.
     std::sort(own.begin(), own.end(), [&](int a, int b) {
       return nodes[at(a)].u != nodes[at(b)].u ? nodes[at(a)].u > nodes[at(b)].u : a < b;
     });
@@ -177,7 +178,7 @@ void amalgamate(std::vector<Node>& nodes) {
 struct Merged {
   std::vector<Node> node;
   std::vector<int> first_column,
-      column;  // those of node i are in column [first_column[i], first_column[i + 1])
+      column;  // the columns of node i are [first_column[i], first_column[i + 1])
 };
 Merged compact(const Nodes& nodes) {
   const int n = static_cast<int>(nodes.node.size());
@@ -212,8 +213,8 @@ Merged compact(const Nodes& nodes) {
   return result;
 }
 
-/// Appends the node, whose columns are [position, end), as a chain of fronts with at most kMostPivots pivots, unless one
-/// block has more.
+/// Appends the node, whose columns are [position, end), as a chain of fronts. Each has at most kMostPivots pivots,
+/// unless a single block has more.
 void appendChain(const Node& node, int position, int end, const BlockGraph& graph, Fronts& fronts) {
   const int pieces = std::max(1, (node.p + kMostPivots - 1) / kMostPivots);
   const int wanted = (node.p + pieces - 1) / pieces;
@@ -232,7 +233,8 @@ void appendChain(const Node& node, int position, int end, const BlockGraph& grap
   }
 }
 
-/// The rows of all fronts: neighbours of their columns and rows of their children, after their own columns.
+/// Finds the rows of all fronts: neighbours of their columns and rows of their children that come after their own
+/// columns.
 void findRows(const BlockGraph& graph, Fronts& fronts) {
   const int n = static_cast<int>(fronts.front.size());
   std::vector<int> mark(at(graph.size()), -1), first_child(at(n), -1), sibling(at(n), -1);
@@ -277,7 +279,7 @@ void countWork(Fronts& fronts) {
 }  // namespace
 
 Fronts makeFronts(const BlockGraph& graph, const std::vector<int>& given_order) {
-  // Columns in postorder, so that supernodes are neighbours.
+  // Columns are put into postorder, so that supernodes are contiguous.
   std::vector<int> parent = eliminationTree(graph, given_order, inverse(given_order));
   const std::vector<int> post = postorder(parent), place = inverse(post);
   std::vector<int> order(post.size()), moved(post.size());

@@ -1,9 +1,9 @@
-/// What the factor looks like, before any number is known: the fronts of a multifrontal Cholesky factorisation on the
+/// Structure of the factor, before any number is known: the fronts of a multifrontal Cholesky factorisation on the
 /// graph of blocks.
 ///
-/// A front eliminates the blocks of its `columns`; `rows` are the later blocks which that changes. It needs the updates
-/// of its children and passes its own on to its parent. Blocks are renumbered by their position in the order of
-/// elimination, in which each front's columns are neighbours and children come before parents.
+/// A front eliminates the blocks of its `columns`. Its `rows` are the later blocks that this changes. It needs the
+/// updates of its children and passes its own update to its parent. Blocks are renumbered by their position in the
+/// order of elimination. In this order, each front's columns are contiguous and children come before parents.
 ///   source   Duff and Reid, "The multifrontal solution of indefinite sparse symmetric linear equations", 1983;
 ///            Liu, "The role of elimination trees in sparse factorization", 1990;
 ///            Ashcraft and Grimes, "The influence of relaxed supernode partitions on the multifrontal method", 1989
@@ -33,10 +33,10 @@ struct Fronts {
   const char* ordering = "given";
 };
 
-/// Multiplications of a dense factorisation of p pivots and of what they take from u further rows.
+/// Returns the multiplications of a dense factorisation of p pivots and of its subtractions from u further rows.
 inline double frontFlops(double p, double u) { return p * p * p / 3 + p * p * u + p * u * u; }
 
-/// `order`: the blocks in a fill-reducing order; it is refined so that fronts are contiguous.
+/// Makes the fronts. `order`: the blocks in a fill-reducing order, which is refined so that fronts are contiguous.
 Fronts makeFronts(const BlockGraph& graph, const std::vector<int>& order);
 
 }  // namespace slom

@@ -1,5 +1,5 @@
-// Boards whose shape is found with the rest: planted shapes are found within their standard deviations, and what is said of the lens holds. Seeds are
-// fixed.
+// Boards whose shape is estimated with the rest. Planted shapes are found within their standard deviations, and
+// statements about the lens hold. Seeds are fixed.
 #include "slom/calibration/board_shape.hpp"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ using Eigen::VectorXd;
 using testing::RigOptions;
 using testing::RigTruth;
 
-/// Where a corner of the simulation is, beside where the data say.
+/// Displacement of a corner from its place in the data.
 using Displacement = std::function<vec3(const vec3& world)>;
 
 RigOptions rigOf(int cameras, int images) {
@@ -40,7 +40,7 @@ RigOptions rigOf(int cameras, int images) {
   return options;
 }
 
-/// A board of 6 x 5 corners, 0.35 m x 0.28 m, whose middle is 1 mm above its border.
+/// Returns the displacement on a board of 6 x 5 corners, 0.35 m x 0.28 m, whose middle is 1 mm above its border.
 vec3 bowed(const vec3& world) {
   const double x = (world.x() - 0.175) / 0.175, y = (world.y() - 0.14) / 0.14;
   return vec3(0., 0., 5e-4 * (1 - x * x) + 3e-4 * (1 - y * y) + 2e-4 * x * y);
@@ -136,7 +136,8 @@ TEST(BoardShape, AFreeBoardIsFoundWithinItsStandardDeviations) {
   EXPECT_FALSE(flat.board);
   ASSERT_EQ(free.board->corners.size(), 30u);
   EXPECT_NEAR(free.board->sigma, 5e-4, 1.5e-4);
-  // The whole of the board, turned, moved and scaled, is what its standard deviations allow, too, as errors are of each corner.
+  // The whole of the board, turned, moved and scaled, is what its standard deviations allow, too, as errors are of each
+  // corner.
   double chi2 = 0, square = 0;
   for (const MovedCorner& corner : free.board->corners) {
     const vec3 error(corner.displacement - planted(corner.world));
@@ -201,7 +202,7 @@ TEST(BoardShape, AFlatBoardStaysFlat) {
   }
 }
 
-/// The covariance that assessments are made from, which eliminates poses and board, equals the estimator's; with an IMU, too.
+/// The covariance for assessments, from which poses and board are eliminated, equals the estimator's; also with an IMU.
 TEST(BoardShape, StatedDeviationsAreThoseOfTheEstimator) {
   std::mt19937_64 random(2);
   const Simulation simulation = simulate(rigOf(2, 14), scattered(3e-4, random), 3, true);
@@ -229,8 +230,8 @@ TEST(BoardShape, StatedDeviationsAreThoseOfTheEstimator) {
   }
 }
 
-/// The clustered covariance against that of the library. Its correction is made of each measurement's leverage, ours of that of a group's score: both are
-/// unbiased where errors are independent, but they are not the same matrix.
+/// Compares the clustered covariance with that of the library. The library corrects by each measurement's leverage,
+/// this code by that of a group's score. Both are unbiased if errors are independent, but the matrices differ.
 TEST(BoardShape, ClusteredDeviationsAreThoseOfTheLibrary) {
   std::mt19937_64 random(2);
   const Simulation simulation = simulate(rigOf(1, 30), scattered(3e-4, random), 9);
@@ -325,7 +326,7 @@ TEST(BoardShape, TheBendsAreOrthogonalToWhatPosesFollow) {
   EXPECT_LT((heights.transpose() * heights / 30 - MatrixXd::Identity(3, 3)).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-/// Two rows of corners do not show a bend across them: the prior alone holds it.
+/// Two rows of corners do not show a bend across them. Only the prior holds it.
 TEST(BoardShape, ABendThatTheCornersDoNotHaveStaysAtZero) {
   RigOptions options = rigOf(1, 12);
   options.rows = 2;

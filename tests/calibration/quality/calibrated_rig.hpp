@@ -1,4 +1,4 @@
-// A simulated rig that has been calibrated, for the tests of what is said of its quality.
+// A simulated and calibrated rig, for tests of statements about its quality.
 #pragma once
 
 #include <random>

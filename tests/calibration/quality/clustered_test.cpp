@@ -1,5 +1,5 @@
-// Clustered uncertainty of calibrations: covariances against those of the library's Clustered, which knows nothing of cameras; coverage by
-// simulation; and corners with a large leverage against a fit without them. Seeds are fixed.
+// Clustered uncertainty of calibrations: covariances against those of the library's Clustered, which does not use
+// camera models; coverage by simulation; and corners with a large leverage against a fit without them. Seeds are fixed.
 #include "calibration/quality/uncertainty/clustered.hpp"
 
 #include <algorithm>
@@ -30,7 +30,8 @@ RigOptions oneCamera(int images) {
   return options;
 }
 
-/// The same fit, with each corner as a measurement that is in a group of its image, of two images and of its point of the board.
+/// The same fit with each corner as a measurement, in the group of its image, of two images and of its point of the
+/// board.
 struct Oracle {
   explicit Oracle(const CalibratedRig& rig) {
     Opencv5<> start;
@@ -90,8 +91,8 @@ TEST(ClusteredCalibration, EqualsThatOfTheLibrary) {
   EXPECT_LT(points.dof, 30);
 }
 
-/// Pixels with noise, and an error that all corners of an image share: each image is seen a little larger or smaller than the lens says.
-/// `memory` is the correlation of neighbouring images.
+/// Returns pixels with noise and with an error that all corners of an image share: each image appears a little larger
+/// or smaller than the lens implies. `memory` is the correlation of neighbouring images.
 Dataset withSharedErrors(const RigTruth& truth, const RigOptions& options, std::mt19937_64& random,
                          double zoom, double memory) {
   Dataset data = testing::measured(truth, options, random, false);
@@ -264,7 +265,7 @@ Settings keepAll() {
   return settings;
 }
 
-/// Few corners, one of which, at the border of an image, lies `wrong_by` px too far outside.
+/// Few corners. One of them, at the border of an image, is `wrong_by` px too far outside.
 struct WrongCorner {
   explicit WrongCorner(double wrong_by) {
     RigOptions options = oneCamera(12);
@@ -357,7 +358,7 @@ TEST(GrossCorners, RejectionLeavesGoodDataAsTheyAre) {
     EXPECT_EQ(result.cameras[0].parameters[i].value, kept.cameras[0].parameters[i].value);
 }
 
-/// A blurred image, all of whose corners are worse than those of others, is no image with gross corners; one that has one still is.
+/// All corners of a blurred image are worse than those of others. It is no image with gross corners unless it has one.
 TEST(GrossCorners, AreThoseBesideTheOthersOfTheirImage) {
   WrongCorner wrong(0);
   std::mt19937_64 random(3);

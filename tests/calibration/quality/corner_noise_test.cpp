@@ -1,5 +1,5 @@
-// Noise that differs between corners: losses, growth with speed, slant or distance, and what it does to all that is said of a calibration.
-// Simulations with fixed seeds.
+// Noise that differs between corners: losses, growth with speed, slant or distance, and its effect on all statements
+// about a calibration. Simulations with fixed seeds.
 #include "slom/calibration/corner_noise.hpp"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ RigOptions imagesOf(int cameras, int images) {
   return options;
 }
 
-/// A rig and what it sees without noise.
+/// A rig and its images without noise.
 struct Scene {
   explicit Scene(const RigOptions& options, unsigned seed) : random(seed) {
     truth = testing::simulateTruth(options, random);

@@ -1,5 +1,5 @@
-// The information of the images, added up, is that of the fit of the rig: same standard deviations, which the fit
-// has from its own factor.
+// The sum of the images' information is that of the fit of the rig: same standard deviations. The fit computes them
+// from its own factor.
 #include "calibration/quality/uncertainty/information.hpp"
 
 #include <gtest/gtest.h>

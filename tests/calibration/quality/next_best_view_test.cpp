@@ -1,4 +1,4 @@
-// The predicted gain of a next best view is what a fit with such a view has.
+// The predicted gain of a next best view equals the gain of a fit with that view.
 #include "calibration/quality/verdict/next_best_view.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ double worstOf(const Dataset& data, const Result& result) {
                   Posterior(testing::informationOfAll(data, rig)));
 }
 
-/// The true rig sees the board from where the view asks for.
+/// Adds the images of the board that the true rig takes from the requested view.
 void takeView(testing::CalibratedRig& r, const testing::RigOptions& options, const FurtherView& view,
               int image, std::mt19937_64& random) {
   testing::RigTruth truth = r.truth;
@@ -59,7 +59,7 @@ void expectGain(const testing::RigOptions& options, unsigned seed, double tolera
   }
 }
 
-/// Without noise the values stay what they are: the gain is exact.
+/// Without noise the values do not change, so the gain is exact.
 TEST(FurtherViews, BringExactlyWhatIsPredictedWithoutNoise) {
   testing::RigOptions options = testing::smallBoards();
   options.sigma_px = 0;

@@ -1,5 +1,5 @@
-// What residuals have in common: patterns that are planted in simulated images are found with their size, and in images without them nothing is.
-// Seeds are fixed.
+// Patterns of residuals. Patterns planted in simulated images are found with their size. In images without patterns,
+// none are found. Seeds are fixed.
 #include "calibration/quality/patterns/patterns.hpp"
 
 #include <algorithm>

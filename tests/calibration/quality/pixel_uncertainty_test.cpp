@@ -1,4 +1,5 @@
-// The uncertainty of a pixel is that of the formula by all columns, and that of the grid; what cannot be asked is named.
+// The uncertainty of a pixel equals that of the formula over all columns, and that of the grid. Invalid requests are
+// named.
 #include "slom/calibration/pixel_uncertainty.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Rolling shutters: a rig on a smooth path whose rows are seen one after the other, corner by corner at its own time. Seeds are fixed.
+// Rolling shutters: a rig on a smooth path whose rows are exposed one after another, each corner at its own time. Seeds
+// are fixed.
 #include "slom/calibration/readout.hpp"
 
 #include <cmath>
@@ -37,8 +38,8 @@ struct Recording {
   Dataset data;
 };
 
-/// `readout`: by camera. The motion between images is that of a chord, by a hundredth shorter than the path, on a path that is slower by a hundredth
-/// over the square of the slowness.
+/// `readout`: by camera. The motion between images is that of a chord, by a hundredth shorter than the path, on a path
+/// that is slower by a hundredth over the square of the slowness.
 Recording recorded(int images, const std::vector<double>& readout, unsigned seed, double slowness = 1) {
   RigOptions options = testing::smallBoards();
   options.cameras = int(readout.size());
@@ -162,7 +163,8 @@ TEST(RollingShutter, IsNotFoundWhereAllRowsAreReadAtOnce) {
   EXPECT_LT(squares, 2.6);
 }
 
-/// An error that all shared parameters follow widens each number that is stated, and the covariance that the projection uncertainty is found from.
+/// An error that all shared parameters follow widens each number that is stated, and the covariance that the projection
+/// uncertainty is found from.
 TEST(RollingShutter, AnIndependentErrorWidensAllUncertainties) {
   testing::RigOptions options = testing::smallBoards();
   options.images = 12;

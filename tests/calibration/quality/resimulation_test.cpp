@@ -1,11 +1,9 @@
-// 200 calibrations of one rig with new noise each time: is what they say of themselves true? Seeds are fixed.
+// 200 calibrations of one rig with new noise each time: their statements about themselves are true. Seeds are fixed.
 //   parameters    sum of 200 squares of (estimate - truth) / standard deviation
-//   projection    a point that stands still is projected by each calibration, once the motion of the rig's
-//   frame is fitted
-//                 out as its definition says, by a fit of its own; d^T covariance^-1 d, for pixels in the
-//                 middle, at the border and in the corners of both images, at the boards' distance, farther,
-//                 and at infinity
-//   halves        chi-square of the lens parameters; squared difference over what is expected
+//   projection    a point at rest is projected by each calibration, after the motion of the rig's frame is fitted out
+//                 as its definition says, by a separate fit; d^T covariance^-1 d, for pixels in the middle, at the
+//                 border and in the corners of both images, at the boards' distance, farther, and at infinity
+//   halves        chi-square of the lens parameters; squared difference over its expectation
 // Sums of chi-square variables, each within its distribution at a significance of 1e-3.
 #include <map>
 #include <string>

@@ -1,4 +1,4 @@
-// No verdict contradicts what else the assessment shows, over simulated, shipped and public data. Seeds are fixed.
+// No verdict contradicts the rest of the assessment, over simulated, shipped and public data. Seeds are fixed.
 #include <algorithm>
 #include <cmath>
 

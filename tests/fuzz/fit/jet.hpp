@@ -1,5 +1,5 @@
-// Numbers of 19 digits with derivatives by up to 12 unknowns, for the judge of fits alone: nothing of the
-// library's.
+// Numbers of 19 digits with derivatives by up to 12 unknowns. Only the judge of fits uses them; they share nothing with
+// the library.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ struct Jet {
   }
 };
 
-/// f(x, y) of these partial derivatives. What is constant stays so where a derivative is infinite.
+/// Returns f(x, y) for these partial derivatives. Constants stay constant even if a derivative is infinite.
 inline Jet chain(long double f, long double fx, const Jet& x, long double fy = 0, const Jet& y = {}) {
   Jet result(f);
   for (std::size_t i = 0; i < result.d.size(); ++i)

@@ -1,4 +1,4 @@
-// A small problem of any bytes, in plain numbers: what the library fits, and what judges the fit.
+// A small problem made of arbitrary bytes, in plain numbers, for the library and for the judge of its fit.
 #pragma once
 
 #include <array>

@@ -85,7 +85,7 @@ struct Residual {
   }
 };
 
-/// Not whitened; a's unknowns come first, then b's.
+/// Returns the residual, not whitened, with derivatives. a's unknowns come first, then b's.
 inline Residual residualOf(const Measurement& m, Type ta, const Value& va, Type tb, const Value& vb) {
   const Place a = placeOf(ta, va, 0), b = placeOf(tb, vb, dofOf(ta)), z = placeOf(ta, m.z);
   const std::size_t n = std::size_t(positionOf(ta));

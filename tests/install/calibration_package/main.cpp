@@ -1,4 +1,4 @@
-// Calibrates from arrays in memory: a lens is simulated, and found again.
+// Calibrates from arrays in memory: simulates a lens, and estimates it.
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>

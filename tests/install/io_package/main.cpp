@@ -1,4 +1,4 @@
-// Writes a pose graph, reads it, fits it and reads what that wrote: the consumer's program for slom::io.
+// Writes a pose graph, reads it, fits it and reads the written result: the consumer's program for slom::io.
 #include <cstdio>
 #include <fstream>
 #include <string>

@@ -1,6 +1,6 @@
-// Uses whatever passes between a program and the compiled library, built for this machine's processor while the library
-// was built for any: values of dynamic and of vectorisable size, noise, residuals, covariances, solvers. It uses of Eigen what the library
-// uses too, so that a linker could mix the two.
+// Uses everything that passes between a program and the compiled library: values of dynamic and of vectorisable size,
+// noise, residuals, covariances, solvers. The program is built for this machine's processor, the library for any. Both
+// use the same parts of Eigen, so a linker could mix their code.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -39,7 +39,7 @@ void useEigen() {
   require(std::abs(full.singularValues()[6] - std::sqrt(eigen.eigenvalues()[0])) < 1e-9, "singular values");
 }
 
-/// What is not determined is found by these decompositions, in the library.
+/// Calls the library's decompositions, which find undetermined directions.
 void askForMotions() {
   slom::Estimator est;
   const auto a = est.insertRV(Pose(), "a"), b = est.insertRV(Pose(), "b"), c = est.insertRV(Pose(), "c");

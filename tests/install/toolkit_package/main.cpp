@@ -1,4 +1,4 @@
-// A pose moved by [+] and recovered by [-]: the consumer's program for the toolkit.
+// Moves a pose by [+] and recovers the step by [-]: the consumer's program for the toolkit.
 
 #include <cmath>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Is refused with MUST_FAIL, but not for the expected reason.
+// A file that fails to compile with MUST_FAIL, but not for the expected reason.
 #ifdef MUST_FAIL
 static_assert(false, "some other message");
 #endif

@@ -154,7 +154,8 @@ inline Problem randomCurve(std::uint64_t seed) {
   return problem;
 }
 
-/// 1 + 2 / (1 + exp(-1.5 (t - 5))) with noise of 0.02 from a wide random start: from about half of the starts, plateaus surround the fit.
+/// Returns 1 + 2 / (1 + exp(-1.5 (t - 5))) with noise of 0.02 and a wide random start. In about half of the starts,
+/// plateaus surround the fit.
 inline Problem wideSigmoid(std::uint64_t seed) {
   std::mt19937_64 random(seed + 2'000'000'011);
   const auto uniform = [&](double low, double high) {
@@ -215,7 +216,8 @@ inline Vector vectorOf(const std::vector<double>& x) {
   return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())).cast<Number>();
 }
 
-/// Scales the columns of J to length 1 and returns their lengths. Columns that rounding errors of doubles hide become 0.
+/// Scales the columns of J to length 1 and returns their lengths. Columns hidden by rounding errors of doubles become
+/// 0.
 inline Vector scaleColumns(Matrix& J, const Vector& x, const Vector& r) {
   Vector length = Vector::Zero(x.size());
   for (Eigen::Index i = 0; i < x.size(); ++i) {
@@ -232,8 +234,8 @@ inline Vector scaleColumns(Matrix& J, const Vector& x, const Vector& r) {
 
 }  // namespace detail
 
-/// Whether x is not a stationary point, in long double: the cosine of residual and some column is above 1e-6,
-/// and the linear model promises a decrease of the RSS by more than a millionth, by a step that changes some
+/// Returns whether x is not a stationary point, in long double. Then the cosine of residual and some column is above
+/// 1e-6, and the linear model predicts a decrease of the RSS by more than a millionth, by a step that changes some
 /// digits.
 inline bool isFalse(const Problem& problem, const std::vector<double>& at, std::string* why = nullptr) {
   using detail::Matrix, detail::Number, detail::Vector;
@@ -262,8 +264,8 @@ inline bool isFalse(const Problem& problem, const std::vector<double>& at, std::
   return cosine > 1e-6L && promise > 1e-6L && !is_negligible;
 }
 
-/// Whether the measurements leave directions free at x, in long double: of the columns of the Jacobian, scaled to length 1, some combination is
-/// shorter than a millionth.
+/// Returns whether the measurements leave directions free at x, in long double: some combination of the columns of the
+/// Jacobian, scaled to length 1, is shorter than 1e-6.
 inline bool hasFreeDirections(const Problem& problem, const std::vector<double>& at) {
   using detail::Matrix, detail::Vector;
   const Vector x = detail::vectorOf(at);
@@ -275,7 +277,7 @@ inline bool hasFreeDirections(const Problem& problem, const std::vector<double>&
   return qr.rank() < x.size();
 }
 
-/// Whether the RSS is that of the known saddle.
+/// Returns whether the RSS is that of the known saddle.
 inline bool isSaddle(const Problem& problem, double rss) {
   return problem.saddle > 0 && std::abs(rss - problem.saddle) <= 1e-4 * problem.saddle;
 }

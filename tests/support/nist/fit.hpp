@@ -20,8 +20,8 @@ struct Fit {
   bool converged = false;
 };
 
-/// One setting for all problems, for more digits than a fit to measurements has use for. The normal equations, which have half
-/// of the digits, are left out, too: fitBySlom solves by QR.
+/// Returns one setting for all problems, for more digits than a fit to measurements needs. fitBySlom solves by QR,
+/// because the normal equations have only half of the digits.
 inline Options toTheLastDigit() {
   Options options;
   options.max_iterations = 10000;
@@ -44,7 +44,7 @@ inline VarID<Eigen::VectorXd> insert(const Problem& problem, const Eigen::Vector
   return b;
 }
 
-/// What `summary` ended at; sigma is unknown.
+/// Returns the fit at the end of `summary`; sigma is unknown.
 inline Fit fitted(Estimator& est, const VarID<Eigen::VectorXd>& b, const Summary& summary) {
   est.setSigma(Sigma::estimated);
   Fit fit{*b, {}, est.getRSS(), summary.iterations, summary.converged};
@@ -77,8 +77,9 @@ inline Fit fitAsItComes(const Problem& problem, const Eigen::VectorXd& start) {
 /// NIST gives 11 digits.
 constexpr double kCertifiedDigits = 11;
 
-/// Digits of x that agree with the certified c, -log10(|x - c| / |c|), from 0 to 11.
-///   source   McCullough, "Assessing the reliability of statistical software", The American Statistician 52, 1998: "LRE"
+/// Returns the digits of x that agree with the certified c, -log10(|x - c| / |c|), from 0 to 11.
+///   source   McCullough, "Assessing the reliability of statistical software", The American Statistician 52, 1998:
+///            "LRE"
 inline double digits(double x, double c) {
   const double off = std::abs(x - c) / std::abs(c);
   if (!(off < 1)) return 0;

@@ -1,5 +1,5 @@
-/// The models of NIST's nonlinear regression, y = f(x; b), as functions of any numbers: double, dual numbers of SLoM, Jets of
-/// Ceres. The names of the parameters are those of the files, from b1 = b[0] on.
+/// The models of NIST's nonlinear regression, y = f(x; b), as functions of any number type: double, dual numbers of
+/// SLoM, Jets of Ceres. The names of the parameters are those of the files, from b1 = b[0] on.
 #pragma once
 
 #include <array>
@@ -38,7 +38,7 @@ enum class Model {
   thurber
 };
 
-/// The model of the data set with this name; none: no such data set.
+/// Returns the model of the data set with this name; none: no such data set.
 inline std::optional<Model> modelOf(std::string_view name) {
   static constexpr std::pair<std::string_view, Model> all[] = {
       {"Bennett5", Model::bennett5}, {"BoxBOD", Model::boxbod},     {"Chwirut1", Model::chwirut},
@@ -58,7 +58,7 @@ inline std::optional<Model> modelOf(std::string_view name) {
 
 inline bool predictsLogarithm(Model model) { return model == Model::nelson; }
 
-/// What the model says about y. `b` is anything with numbers b[0], b[1], ...
+/// Returns the model's prediction of y. `b` is any type with numbers b[0], b[1], ...
 template <class Parameters>
 auto predict(Model model, const Parameters& b, const Predictors& predictors) {
   using S = std::remove_cvref_t<decltype(b[0])>;

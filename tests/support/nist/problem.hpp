@@ -1,6 +1,7 @@
-/// Problems of nonlinear regression with certified answers: NIST Statistical Reference Datasets, www.itl.nist.gov/div898/strd.
+/// Problems of nonlinear regression with certified answers: NIST Statistical Reference Datasets,
+/// www.itl.nist.gov/div898/strd.
 ///
-/// The first lines of a file state where its parts are, as in `Certified Values  (lines 41 to 48)`; they are
+/// The first lines of a file state the places of its parts, as in `Certified Values  (lines 41 to 48)`. The parts are
 ///   a line for each parameter   b1 = 500  250  2.3894212918E+02  2.7070075241E+00
 ///                               (two starts, the certified value, its standard deviation)
 ///   the certified residual sum of squares, degrees of freedom and number of observations
@@ -75,7 +76,7 @@ class Reader {
                              "; take the file from NIST again");
   }
 
-  /// What a line of the header has in the parentheses of this pattern; [0]: the number of the line, from 1.
+  /// Returns the text in the parentheses of this pattern in a line of the header; [0]: the number of the line, from 1.
   std::vector<std::string> headed(const std::string& what, const std::string& pattern) const {
     const std::regex regex(pattern);
     const std::size_t end = std::min(kHeader, lines_.size());
@@ -150,7 +151,7 @@ class Reader {
 
 inline Problem readProblem(const std::filesystem::path& file) { return Reader(file).read(); }
 
-/// All .dat files of a folder, in the order of their names. Throws likewise where there are none.
+/// Reads all .dat files of a folder, in the order of their names. Throws if there are none.
 inline std::vector<Problem> readProblems(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   if (std::filesystem::is_directory(folder)) {

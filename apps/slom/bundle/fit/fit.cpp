@@ -4,7 +4,7 @@ namespace slom::app::bundle {
 
 namespace {
 
-// Points recede from cameras during the fit; scales of earlier linearisations would make their steps too short.
+// Points recede from cameras during the fit. Scales of earlier linearisations would make steps of points too short.
 constexpr double initial_damping = 1e-4, scale_memory = 0.1;
 
 }  // namespace

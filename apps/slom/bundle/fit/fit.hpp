@@ -21,7 +21,7 @@ class BundleFit {
 
   Summary optimize(const Options& options) { return est_.optimize(options); }
   Estimator& estimator() { return est_; }
-  /// In the order of the scene's.
+  /// Returns the cameras, and points() the points, in the order of the scene.
   const std::vector<VarID<Camera>>& cameras() const { return variables_.cameras; }
   const std::vector<VarID<mtk::vect<3>>>& points() const { return variables_.points; }
   /// Writes the values into the cameras and points of the scene.

@@ -14,14 +14,15 @@ namespace slom::app::bundle {
 namespace {
 
 constexpr int camera_unknowns = 9, point_unknowns = 3;
-/// Parts with more cameras are not diagnosed: their reduced system may be dense, and takes cameras^3.
+/// Number of cameras above which a part is not diagnosed: its reduced system may be dense, and takes cameras^3.
 constexpr std::size_t most_cameras = 600, few_cameras = 60;
-/// Parts with more directions than this may have more than the diagnosis finds.
+/// Number of directions above which a part may have more than the diagnosis finds.
 constexpr int most_found = 150;
 
-/// The direction along which a point can move without changing any of its images; 0: there is none, as its rays are not parallel.
+/// Returns the direction along which a point can move without changing its images. If its rays are not parallel,
+/// returns 0.
 mtk::vect<3> freeDirectionOf(const Scene& scene, int point, const std::vector<int>& cameras) {
-  constexpr double parallel = 1e-10;  // sine of the largest angle between two of them
+  constexpr double parallel = 1e-10;  // sine of the largest angle between two rays
   const auto ray = [&](int camera) {
     const mtk::vect<3> way =
         scene.points[std::size_t(point)] - scene.cameras[std::size_t(camera)].pose.inverse().pos;
@@ -48,8 +49,9 @@ class Count {
   }
 
  private:
-  /// The two equations of a point that one camera sees determine two of the point's unknowns and nothing else; so do the equations of
-  /// a camera with few points. Without these, others may have few observations in turn.
+  /// Removes points seen by one camera, and cameras with few points. The two equations of such a point determine two of
+  /// its unknowns and nothing else; the same holds for the equations of such a camera. After removal, others may have
+  /// few observations in turn.
   void takeAwayWhatIsSeenOnce() {
     for (std::size_t p = 0; p < scene_.points.size(); ++p) waiting_points_.push_back(int(p));
     for (std::size_t c = 0; c < scene_.cameras.size(); ++c) waiting_cameras_.push_back(int(c));
@@ -82,7 +84,7 @@ class Count {
     for (const int p : points) sightings_.remove(c, p);
     waiting_points_.insert(waiting_points_.end(), points.begin(), points.end());
   }
-  /// Whether the images of the camera are independent equations for its 9 unknowns.
+  /// Returns whether the images of the camera are independent equations for its 9 unknowns.
   bool canTakeAwayCamera(int c) const {
     const std::vector<int>& points = sightings_.pointsOf(c);
     if (points.size() > few_points) return false;
@@ -112,7 +114,8 @@ class Count {
     }
   }
 
-  /// `fixed`: the points that can move along parallel rays. One of the coordinates of each is fixed, which leaves the rank as it is.
+  /// Diagnoses a part. `fixed` receives the number of points that can move along parallel rays. One coordinate of each
+  /// is fixed, which leaves the rank unchanged.
   Diagnosis diagnosisOf(const Part& part, int& fixed) {
     Estimator est;
     est.setThreads(threads_);

@@ -1,4 +1,4 @@
-// Who sees whom: a scene as a graph of cameras and points.
+// A scene as a graph of cameras and points.
 #pragma once
 
 #include <cstddef>
@@ -13,16 +13,16 @@ struct Part {
   std::vector<int> cameras, points;
 };
 
-/// Pairs of a camera and a point that it sees, each once; pairs can be taken away.
+/// Pairs of a camera and a point that it sees, each once. Pairs can be removed.
 class Sightings {
  public:
   explicit Sightings(const Scene& scene);
 
-  /// Points that the camera sees, and cameras that see the point, as far as they are left.
+  /// Returns the remaining points that the camera sees; camerasOf(): the remaining cameras that see the point.
   const std::vector<int>& pointsOf(int camera) const { return points_of_[std::size_t(camera)]; }
   const std::vector<int>& camerasOf(int point) const { return cameras_of_[std::size_t(point)]; }
   void remove(int camera, int point);
-  /// The parts that share no point, of the pairs that are left, by their first cameras.
+  /// Returns the parts of the remaining pairs that share no point, ordered by their first cameras.
   std::vector<Part> parts() const;
 
  private:

@@ -8,18 +8,18 @@
 namespace slom::app::bundle {
 
 enum class Format {
-  bal,  ///< cameras, points and observations, as the file that was read
-  ply,  ///< points and camera centres, to look at
+  bal,  ///< cameras, points and observations, like the input file
+  ply,  ///< points and camera centres, for viewing
   unknown
 };
 
-/// The format that the extension asks for: .txt and .bal, or .ply.
+/// Returns the format for the extension of the file: .txt and .bal, or .ply.
 Format formatOf(const std::string& file);
 
-/// Points in grey, then the centres of the cameras in red; text.
+/// Returns text with the points in grey, then the centres of the cameras in red.
 std::string toPly(const Scene& scene);
 
-/// In the format that the name of the file asks for.
+/// Returns the text in the format for the extension of the file.
 std::string toText(const Scene& scene, const std::string& file);
 
 }  // namespace slom::app::bundle

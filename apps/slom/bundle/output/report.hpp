@@ -1,4 +1,4 @@
-// What `slom bundle` says about the scene before and after the fit.
+// Texts of `slom bundle` about the scene before and after the fit.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 
 namespace slom::app::bundle {
 
-/// Returns the lines on what was read, what no image determines, and the warnings.
+/// Returns the lines on the input, on what no image determines, and the warnings.
 std::string sceneText(const Scene& scene, const SceneCheck& check);
 
-/// A warning on the free directions that place, rotation and scale, points seen once and cameras with few points do not explain;
-/// empty: there are none.
+/// Returns a warning about free directions beyond place, rotation and scale, points seen once, and cameras with few
+/// points; empty if there are none.
 std::string furtherText(const FreeDirections& free);
 
-/// `  RMS 3.2 px at the start, 0.8 px now`
+/// Returns `  RMS 3.2 px at the start, 0.8 px now`.
 std::string rmsText(double before, double after);
 
 }  // namespace slom::app::bundle

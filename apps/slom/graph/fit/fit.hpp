@@ -15,12 +15,12 @@ namespace slom::app::graph {
 template <class Pose>
 class GraphFit {
  public:
-  /// Takes start values and what is fixed from `graph`, and holds what `gauge` says.
+  /// Takes start values and fixed nodes from `graph`, and holds what `gauge` names.
   GraphFit(const PoseGraph<Pose>& graph, const Gauge& gauge, const GraphModel& model);
 
   Summary optimize(const Options& options) { return est_.optimize(options); }
   Estimator& estimator() { return est_; }
-  /// In the order of the graph's.
+  /// Returns the poses in the order of the graph.
   const std::vector<VarID<Pose>>& poses() const { return variables_.poses; }
   /// Writes the values into the nodes of the graph.
   void writeTo(PoseGraph<Pose>& graph) const { variables_.writeTo(graph); }

@@ -1,4 +1,4 @@
-// How edges and sightings become measurements.
+// Measurements made from edges and sightings.
 #pragma once
 
 #include <vector>
@@ -18,14 +18,14 @@ struct GraphModel {
   FitOptions options;
   RotationError rotation_error = RotationError::vector;
 
-  /// Algorithm, solver and threads.
+  /// Sets algorithm, solver and threads.
   void prepare(Estimator& est) const { apply(options, est); }
   template <class Pose>
   void insertEdge(Estimator& est, const VarID<Pose>& a, const VarID<Pose>& b, const Edge<Pose>& edge) const;
   template <class Pose>
   void insertSighting(Estimator& est, const VarID<Pose>& a, const VarID<Point<Pose>>& p,
                       const Edge<Point<Pose>>& sighting) const;
-  /// Priors and bearings.
+  /// Inserts priors and bearings.
   template <class Pose>
   void insertOthers(Estimator& est, const PoseGraph<Pose>& graph, const std::vector<VarID<Pose>>& poses,
                     const std::vector<VarID<Point<Pose>>>& landmarks) const;

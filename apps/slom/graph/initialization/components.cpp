@@ -9,11 +9,11 @@ namespace slom::app::graph {
 
 namespace {
 
-/// Sets that are joined pair by pair.
+/// Disjoint sets that are joined pair by pair.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
-  /// The smallest member of the set that `i` is in.
+  /// Returns the smallest member of the set of `i`.
   int find(int i) {
     while (parent_[std::size_t(i)] != i)
       i = parent_[std::size_t(i)] = parent_[std::size_t(parent_[std::size_t(i)])];
@@ -76,7 +76,7 @@ template <class Pose>
 FreeRotation<Pose> freeRotationOf(const Component<Pose>& component) {
   using Matrix = Eigen::Matrix<double, dim<Pose>, dim<Pose>>;
   using Place = typename Component<Pose>::Place;
-  constexpr double same = 1e-7;  // relative distance below which places are one; squares round it
+  constexpr double same = 1e-7;  // relative distance below which places are equal, given rounded squares
   Place centre = Place::Zero();
   double size = 0;
   for (const Place& place : component.places) {

@@ -25,7 +25,7 @@ std::string nameOf(const PoseGraph<Pose>& graph, int vertex) {
                    : fmt::format("landmark {}", graph.landmarks[v - poses].id);
 }
 
-/// `open` are the components without anything fixed.
+/// Throws the error for `open`, the components without anything fixed.
 template <class Pose>
 [[noreturn]] void refuse(const PoseGraph<Pose>& graph, std::size_t parts,
                          const std::vector<Component<Pose>>& open) {
@@ -43,7 +43,7 @@ template <class Pose>
                   open.size() > most_parts ? ", ..." : ""));
 }
 
-/// Without vertices nothing says how what is fixed lies to each other.
+/// Throws if several nodes are fixed in a file without vertices: then their relative positions are unknown.
 template <class Pose>
 void requireKnownPlaces(const PoseGraph<Pose>& graph, const std::vector<Component<Pose>>& components) {
   if (graph.has_vertices) return;
@@ -60,7 +60,7 @@ void requireKnownPlaces(const PoseGraph<Pose>& graph, const std::vector<Componen
   }
 }
 
-/// The component of a rotation that changes most when the world turns about `axis`.
+/// Returns the component of a rotation that changes most when the world turns about `axis`.
 std::string componentAbout(const Eigen::Vector3d& axis, const mtk::SO3<>& orient) {
   int most = 0;
   (orient.toRotationMatrix().transpose() * axis).cwiseAbs().maxCoeff(&most);
@@ -68,7 +68,7 @@ std::string componentAbout(const Eigen::Vector3d& axis, const mtk::SO3<>& orient
 }
 std::string componentAbout(const Eigen::Vector2d&, const mtk::SO2<>&) { return "orient"; }
 
-/// `landmark 2, landmark 3, ...`
+/// Returns `landmark 2, landmark 3, ...`.
 std::string placesText(const std::vector<std::string>& names) {
   constexpr std::size_t most = 3;
   std::string text;
@@ -76,7 +76,7 @@ std::string placesText(const std::vector<std::string>& names) {
   return text + (names.size() > most ? ", ..." : "");
 }
 
-/// Holds the rotations that the known places of each component leave free, and says so.
+/// Holds the rotations that the known places of each component leave free, and describes them.
 template <class Pose>
 void holdRotations(const PoseGraph<Pose>& graph, const std::vector<Component<Pose>>& components,
                    Gauge& gauge) {

@@ -1,4 +1,4 @@
-// What is fixed, so that the gauge of the map is.
+// The gauge of a map, and what is fixed to determine it.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace slom::app::graph {
 
-/// Fixes the first pose where the file has no lines FIX, and no priors. Each connected component of the graph needs a fixed pose, fixed
-/// landmarks or priors of its own: throws UserError, naming the components without them, or, with `hold_parts`, fixes the first vertex of
-/// each. What fixed landmarks and known positions leave free is the rotation about one of them, or about the line through several in space;
-/// it is held at a pose.
+/// Fixes the first pose if the file has no FIX lines and no priors. Each connected component of the graph needs its own
+/// fixed pose, fixed landmarks or priors. For components without them, throws UserError that names them or, with
+/// `hold_parts`, fixes the first vertex of each. Fixed landmarks and known positions may leave a rotation free: about
+/// one of them, or in space about the line through several. This rotation is held at a pose.
 template <class Pose>
 Gauge fixGauge(PoseGraph<Pose>& graph, bool hold_parts);
 

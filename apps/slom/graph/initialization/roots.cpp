@@ -8,7 +8,8 @@ namespace slom::app::graph {
 
 namespace {
 
-/// The motion T of the world that minimises sum w |T a - b|^2 over pairs of places; where these leave rotations free, the smallest one.
+/// The motion T of the world that minimises sum w |T a - b|^2 over pairs of places. If the pairs leave rotations free,
+/// it is the smallest such motion.
 ///   source   Kabsch, "A solution for the best rotation to relate two sets of vectors", Acta Cryst. A, 1976
 template <class Pose>
 class Registration {
@@ -33,7 +34,7 @@ class Registration {
       H += pair.w * (pair.b - b) * (pair.a - a).transpose();
       size += pair.w * (pair.b - b).norm() * (pair.a - a).norm();
     }
-    constexpr double little = 1e-9;  // prefers no rotation
+    constexpr double little = 1e-9;  // prefers no rotation if rotations are free
     H += (little * size + 1e-300) * Matrix::Identity();
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
     Place signs = Place::Ones();
@@ -72,7 +73,8 @@ struct AtPoses {
   std::vector<std::vector<std::size_t>> edges, sightings, pose_priors, position_priors;
 };
 
-/// Poses that edges connect, composed from the first one on, and the motion of the world that brings them to what is known.
+/// Poses connected by edges, composed from the first one on, and the motion of the world that moves them to known
+/// places.
 template <class Pose>
 class Group {
  public:
@@ -126,7 +128,7 @@ class Group {
   std::vector<std::size_t> poses_;
   bool has_fixed_ = false;
   Registration<Pose> registration_;
-  std::optional<Pose> prior_;  // the motion that a prior of a whole pose says
+  std::optional<Pose> prior_;  // motion given by a prior of a whole pose
 };
 
 }  // namespace

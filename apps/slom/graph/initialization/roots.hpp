@@ -1,4 +1,4 @@
-// Where start values begin in parts of a map that landmarks or priors tie down.
+// Roots of start values in parts of a map that landmarks or priors hold.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,10 @@
 
 namespace slom::app::graph {
 
-/// The first pose of each group of poses that edges connect, in which no pose is fixed, and which sees fixed landmarks or has priors. As long as
-/// this exists, these poses are fixed in the graph, so that the ways to find a start can begin there. Each is moved to where, along the edges,
-/// the first prior of a whole pose holds, or else landmarks and positions are best at their places.
+/// The roots: the first pose of each group of poses that edges connect, if no pose of the group is fixed and the group
+/// sees fixed landmarks or has priors. During this object's lifetime, the roots are fixed in the graph, so that methods
+/// that find a start can begin there. Each root is moved such that, along the edges, the first prior of a whole pose
+/// holds. Without such a prior, landmarks and positions fit their places best.
 template <class Pose>
 class Roots {
  public:
@@ -20,7 +21,7 @@ class Roots {
   Roots(const Roots&) = delete;
   Roots& operator=(const Roots&) = delete;
 
-  /// Gives the roots in `graph` the values that they had.
+  /// Restores the values that the roots in `graph` had.
   void restore(PoseGraph<Pose>& graph) const;
 
  private:

@@ -19,7 +19,7 @@ namespace {
 constexpr Start all_starts[] = {Start::given, Start::odometry, Start::spanning_tree, Start::chordal,
                                 Start::build_up};
 
-/// Why no start is found, where no edge leads to the pose `id`.
+/// Returns why no start is found: no edge leads to the pose `id`.
 std::string unreachedText(const std::string& file, std::uint64_t id, const std::string& init) {
   if (init == optionOf(Start::odometry)) {
     return fmt::format(
@@ -33,7 +33,7 @@ std::string unreachedText(const std::string& file, std::uint64_t id, const std::
       init, id, file);
 }
 
-/// The chain of edges whose ids, not indices, follow each other.
+/// Composes the chain of edges between consecutive ids (not indices).
 template <class Pose>
 void alongIds(PoseGraph<Pose>& graph) {
   PoseGraph<Pose> chain;
@@ -48,7 +48,7 @@ void alongIds(PoseGraph<Pose>& graph) {
   initialize::placeLandmarks(graph);
 }
 
-/// Puts landmarks of which only bearings are known where the rays meet, or on the first ray where these are parallel.
+/// Places landmarks known only by bearings where their rays meet, or on the first ray if the rays are parallel.
 template <class Pose>
 void placeByBearings(PoseGraph<Pose>& graph) {
   if constexpr (dim<Pose> == 2) {

@@ -60,7 +60,7 @@ class Feeding {
                        [&](int l) { return is_seen_[std::size_t(l)] != 0; });
   }
 
-  /// Also those that have waited for it, by rising id.
+  /// Feeds a pose, and then those that have waited for it, by ascending id.
   void feed(int first) {
     std::set<std::pair<std::uint64_t, int>> ready{{id(first), first}};
     const auto wake = [&](int p) {

@@ -1,4 +1,4 @@
-// In which order the poses of a graph are fed.
+// Order in which the poses of a graph are fed.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,9 @@
 
 namespace slom::app::graph {
 
-/// Indices of the poses by rising id. One that no edge, no landmark seen before or fixed and no line FIX connects with those before it waits
-/// until something does; what nothing ever connects comes last.
+/// Returns indices of the poses by ascending id. A pose is connected if an edge, a landmark seen before, a fixed
+/// landmark or a FIX line connects it with earlier poses. A pose that is not connected yet waits. Poses that are never
+/// connected come last.
 template <class Pose>
 std::vector<int> feedingOrder(const PoseGraph<Pose>& graph);
 

@@ -18,8 +18,8 @@ namespace slom::app::graph {
 
 namespace {
 
-constexpr std::size_t compared_each = 100;  // updates
-constexpr double least_rss = 1e-6;          // below are rounding errors, as before a loop closes
+constexpr std::size_t compared_each = 100;  // number of updates between comparisons
+constexpr double least_rss = 1e-6;          // a smaller RSS is rounding error, as before a loop closes
 constexpr std::size_t progress_lines = 20;
 constexpr double most_places = 5e5, most_frames = 100;  // limits of a page
 
@@ -29,7 +29,7 @@ double gapOf(double rss, double batch_rss) {
   return batch_rss > least_rss ? rss / batch_rss - 1 : not_compared;
 }
 
-/// The updates after which a page shows the map: the number of places of all frames together is limited.
+/// Returns the number of updates between frames of a page, which limits the number of places of all frames together.
 std::size_t updatesPerFrame(std::size_t poses) {
   const double frames = std::clamp(2 * most_places / double(poses), 8.0, most_frames);
   return std::max<std::size_t>(1, std::size_t(std::ceil(double(poses) / frames)));

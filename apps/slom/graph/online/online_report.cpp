@@ -1,4 +1,4 @@
-// What is said of an online run.
+// Report on an online run.
 #include <algorithm>
 #include <cmath>
 
@@ -14,14 +14,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Seconds of the updates.
+/// Times of the updates [s].
 struct Times {
   explicit Times(const OnlineRun& run) {
     for (const Update& update : run.updates) sorted.push_back(update.seconds);
     std::sort(sorted.begin(), sorted.end());
     for (const double seconds : sorted) total += seconds;
   }
-  /// That which `part` of all do not exceed.
+  /// Returns the time that the fraction `part` of all do not exceed.
   double quantile(double part) const {
     if (sorted.empty()) return 0;
     const std::size_t i = std::size_t(std::ceil(part * double(sorted.size())));

@@ -14,8 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// One list x, y, z, x, y, ... relative to `centre`, in hundred-thousandths of `size`: whole numbers are
-/// short.
+/// Returns one list x, y, z, x, y, ... relative to `centre`, in hundred-thousandths of `size`, because whole numbers
+/// are short.
 Json coordinates(const std::vector<Sketch::Place>& places, const Sketch::Place& centre, double size) {
   Json list = Json::array();
   for (const auto& place : places) {
@@ -24,7 +24,7 @@ Json coordinates(const std::vector<Sketch::Place>& places, const Sketch::Place& 
   return list;
 }
 
-/// The largest distance from `centre`, 1 where all is there.
+/// Returns the largest distance from `centre`; 1 if all is at the centre.
 double farthest(const Sketch& sketch, const Sketch::Place& centre) {
   double most = 0;
   const auto look = [&](const std::vector<Sketch::Place>& places) {

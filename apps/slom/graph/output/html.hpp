@@ -7,8 +7,7 @@
 
 namespace slom::app::graph {
 
-/// One file that needs nothing else: data, style and program (html_page.hpp). Mouse, touch and keys turn,
-/// shift and zoom.
+/// Returns a self-contained file: data, style and program (html_page.hpp). Mouse, touch and keys turn, shift and zoom.
 std::string toHtml(const Sketch& sketch);
 
 }  // namespace slom::app::graph

@@ -16,7 +16,7 @@ std::size_t fixedAmong(const std::vector<Node<Value>>& nodes) {
   return std::size_t(std::count_if(nodes.begin(), nodes.end(), [](const auto& node) { return node.fixed; }));
 }
 
-/// `3, 5 and 7`; of many the first ones.
+/// Returns `3, 5 and 7`; of many ids the first ones.
 std::string shortList(const std::set<std::uint64_t>& ids) {
   constexpr std::size_t most = 5;
   std::vector<std::string> words;
@@ -45,7 +45,7 @@ std::string fixedText(const PoseGraph<Pose>& graph, const Gauge& gauge) {
   return text;
 }
 
-/// `chordal, with the lowest RSS among file, odometry and chordal`
+/// Returns `chordal, with the lowest RSS among file, odometry and chordal`.
 std::string startText(const std::optional<StartFound>& start) {
   if (!start) return "each pose at the end of an edge from earlier poses";
   const StartFound& found = *start;

@@ -1,4 +1,4 @@
-// What `slom graph` says about the graph before it fits it.
+// Texts of `slom graph` about the graph before the fit.
 #pragma once
 
 #include <optional>
@@ -11,18 +11,18 @@
 
 namespace slom::app::graph {
 
-/// How the fit was prepared.
+/// Preparation of the fit.
 struct Preparation {
-  int repaired = 0;  ///< information matrices
+  int repaired = 0;  ///< number of information matrices
   Gauge gauge;
   std::optional<StartFound> start;  ///< none: the map is fed pose by pose
 };
 
-/// What of the file the fit does without, or takes for granted: a sentence each.
+/// Returns a sentence for each part of the file that the fit ignores or takes for granted.
 template <class Pose>
 std::vector<std::string> warningsOf(const PoseGraph<Pose>& graph);
 
-/// What was read, what is fixed, where the fit starts, warnings.
+/// Returns a text about the input, what is fixed, where the fit starts, and warnings.
 template <class Pose>
 std::string graphText(const PoseGraph<Pose>& graph, const Preparation& preparation);
 

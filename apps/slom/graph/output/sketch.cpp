@@ -9,7 +9,7 @@ namespace slom::app::graph {
 
 namespace {
 
-/// The poses by rising id.
+/// Returns the poses by ascending id.
 template <class Pose>
 std::vector<int> orderOf(const PoseGraph<Pose>& graph) {
   std::vector<int> order(graph.poses.size());
@@ -31,7 +31,7 @@ std::pair<Sketch::Place, Sketch::Place> Sketch::bounds() const {
       }
     }
   }
-  if (low[0] == high[0]) {  // give it a width
+  if (low[0] == high[0]) {  // gives the drawing a width
     const double half = low == high ? 1 : std::max(high[1] - low[1], high[2] - low[2]) / 8;
     low[0] -= half;
     high[0] += half;

@@ -1,4 +1,4 @@
-// What a drawing of a pose graph shows.
+// Contents of a drawing of a pose graph.
 #pragma once
 
 #include <array>
@@ -13,25 +13,25 @@ namespace slom::app::graph {
 
 struct Sketch {
   using Place = std::array<double, 3>;
-  using Line = std::pair<int, int>;  ///< from one place of `poses` to another
+  using Line = std::pair<int, int>;  ///< from one index in `poses` to another
 
   /// The map at an earlier time.
   struct Frame {
-    std::uint64_t pose = 0;    ///< id of the last one
-    std::vector<Place> poses;  ///< the first of those of the sketch
+    std::uint64_t pose = 0;    ///< id of the last pose
+    std::vector<Place> poses;  ///< the first poses of the sketch
     std::vector<Place> landmarks;
   };
 
   std::string name;            ///< name of the graph's file, without its folder
   bool is_flat = true;         ///< in the plane: the third coordinate is 0
-  std::vector<Place> poses;    ///< sorted by id, or as they were fed
-  std::vector<Line> path;      ///< edges between poses that follow each other
+  std::vector<Place> poses;    ///< sorted by id, or in feeding order
+  std::vector<Line> path;      ///< edges between consecutive poses
   std::vector<Line> closures;  ///< all other edges
   std::vector<Place> landmarks;
   std::vector<int> fixed;     ///< indices of fixed poses in `poses`
   std::vector<Frame> frames;  ///< over time; empty: the map was not fed pose by pose
 
-  /// Smallest and largest coordinates; the first of them always differ.
+  /// Returns the smallest and largest coordinates. Their first coordinates always differ.
   std::pair<Place, Place> bounds() const;
 };
 
@@ -42,7 +42,7 @@ Sketch::Place placeOf(const mtk::vect<N>& position) {
   return place;
 }
 
-/// `order`: the indices of the poses as they follow each other; empty: by rising id.
+/// Makes the sketch. `order`: the indices of the poses in sequence; empty: by ascending id.
 template <class Pose>
 Sketch sketchOf(const PoseGraph<Pose>& graph, std::vector<int> order = {});
 

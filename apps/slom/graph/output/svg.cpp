@@ -26,7 +26,7 @@ constexpr const char* style = R"(<style>
 </style>
 )";
 
-/// A place on the page, in hundredths of a pixel: what would be drawn at the same place is the same.
+/// A place on the page, in hundredths of a pixel. Elements drawn at equal dots are drawn once.
 struct Dot {
   long x = 0, y = 0;
   bool operator==(const Dot&) const = default;
@@ -75,7 +75,7 @@ class Picture {
     return {std::lround(100 * (left_ + scale_ * place[0])), std::lround(100 * (bottom_ - scale_ * place[1]))};
   }
 
-  /// One path; lines that follow each other are drawn in one go.
+  /// Draws one path; consecutive lines are one stroke.
   void lines(const char* kind, const char* width, const char* opacity, const std::vector<Sketch::Line>& all) {
     if (all.empty()) return;
     append("<path class=\"{}\" stroke-width=\"{}\" stroke-opacity=\"{}\" d=\"", kind, width, opacity);
@@ -102,7 +102,7 @@ class Picture {
     append("\"/>\n");
   }
 
-  /// 1, 2 or 5 times a power of ten, about a fifth of the page long, in the unit of the file.
+  /// Draws the scale bar, in the unit of the file: 1, 2 or 5 times a power of ten, about a fifth of the page long.
   void scaleBar() {
     const double fifth = page_width / 5 / scale_, power = std::pow(10, std::floor(std::log10(fifth)));
     const double length = power * (fifth >= 5 * power ? 5 : fifth >= 2 * power ? 2 : 1);

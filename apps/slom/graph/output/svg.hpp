@@ -7,8 +7,8 @@
 
 namespace slom::app::graph {
 
-/// SVG with the trajectory, the other edges thin in the background, landmarks as dots, fixed poses as rings, and a bar
-/// for the scale. Follows the reader's choice of light or dark.
+/// Returns an SVG with the trajectory, a scale bar, and the other edges thin in the background. Landmarks are dots,
+/// fixed poses rings. Colours follow the reader's choice of light or dark.
 std::string toSvg(const Sketch& sketch);
 
 }  // namespace slom::app::graph
