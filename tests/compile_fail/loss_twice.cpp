@@ -1,5 +1,4 @@
 // expect: slom: a measurement has one loss: pass one of Huber, PseudoHuber, Cauchy, Tukey, GemanMcClure and Barron
-// GemanMcClure or Barron
 #include <slom/slom.hpp>
 
 SLOM_BUILD_MEASUREMENT(Prior, 1, ((double, x)), ((double, z)))

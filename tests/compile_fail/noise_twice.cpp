@@ -1,5 +1,4 @@
 // expect: slom: a measurement has one uncertainty: pass one of Covariance, StandardDeviation, InvCovariance and InvStandardDeviation
-// InvCovariance or InvStandardDeviation
 #include <slom/slom.hpp>
 
 void f(slom::Estimator& est, slom::VarID<double> x) {

@@ -42,8 +42,8 @@ enum class ClusterCorrection : std::uint8_t {
   /// sqrt((G - 1) / G) (I - H_gg)^-1 r_g: the jackknife, leaving out one group at a time. Variances tend to be too
   /// large, not too small.
   cr3,
-  /// cr2, or cr3 if it makes the standard deviation of a component more than 20 % larger, or is expected to, because
-  /// single groups dominate that component.
+  /// cr2, or cr3 if it makes the standard deviation of a component more than 20 % larger (50 % for ordered groups), or is
+  /// expected to, because single groups dominate that component.
   by_leverage,
 };
 
