@@ -185,7 +185,9 @@ TEST(ClusteredCoverage, HoldsWhereGroupsDifferInSize) {
     }
     EXPECT_GE(holds, sizes.least * repetitions) << sizes.name << sizes.of.size();
     EXPECT_GT(std::sqrt(variance / squared_error), 0.85) << sizes.name << sizes.of.size();
-    if (sizes.name == std::string("one large")) EXPECT_GT(notes, 0.9 * repetitions);
+    if (sizes.name == std::string("one large")) {
+      EXPECT_GT(notes, 0.9 * repetitions);
+    }
   }
 }
 
@@ -230,8 +232,12 @@ TEST(ClusteredCoverage, OfTheDefaultHoldsOverNumbersAndSizesOfGroups) {
                                                 << groups << " groups";
         EXPECT_GE(tally.holds[worst], leastOf(runs)) << where;
         EXPECT_GT(tally.printedOverTrue(worst), 0.8) << where;
-        if (sizes == Sizes::one_large || groups < 10) EXPECT_GT(tally.named, 0.95 * runs) << where;
-        if (uncorrected.runs > 0) EXPECT_LT(uncorrected.holds[1], 0.7 * runs) << where << ", cr2";
+        if (sizes == Sizes::one_large || groups < 10) {
+          EXPECT_GT(tally.named, 0.95 * runs) << where;
+        }
+        if (uncorrected.runs > 0) {
+          EXPECT_LT(uncorrected.holds[1], 0.7 * runs) << where << ", cr2";
+        }
       }
     }
   }

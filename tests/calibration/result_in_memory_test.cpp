@@ -14,7 +14,6 @@ namespace slom::calibration {
 namespace {
 
 using slom::testing::messageOf;
-using testing::infinity;
 using testing::nan;
 using testing::pinholeWithDistortion;
 using testing::rigInMemory;
@@ -203,7 +202,7 @@ TEST(SettingsInMemory, ThatMakeNoSense) {
             id + "Settings::sigma_px is 0; give a positive number");
   EXPECT_EQ(refusal([](Settings& s) { s.sigma_acc = nan; }),
             id + "Settings::sigma_acc is nan; give a positive number");
-  EXPECT_EQ(refusal([](Settings& s) { s.fixed.gravity = infinity; }),
+  EXPECT_EQ(refusal([](Settings& s) { s.fixed.gravity = testing::infinity; }),
             id + "Settings::fixed.gravity is inf; give a positive number");
   EXPECT_EQ(refusal([](Settings& s) { s.sigma_px = 1e-300; }),
             id + "Settings::sigma_px is 1e-300; give a number from 1e-06 to 1e+06 px");
@@ -222,7 +221,7 @@ TEST(SettingsInMemory, ThatMakeNoSense) {
   EXPECT_EQ(refusal([](Settings& s) { s.limits.max_seconds = nan; }),
             id + "Settings::limits.max_seconds is nan; give a number from 0 on");
   EXPECT_EQ(constrained({{"", "k1", nan, 1}}), id + "k1 is to lie between nan and 1; give numbers");
-  EXPECT_EQ(constrained({{"", "k1", infinity, infinity}}),
+  EXPECT_EQ(constrained({{"", "k1", testing::infinity, testing::infinity}}),
             id + "k1 is fixed at inf; give a value from -1e+06 to 1e+06");
   EXPECT_EQ(constrained({{"left", "fx", -500, -500}}),
             id + "fx is fixed at -500; give a value from 0.001 to 1e+09 px");
@@ -230,7 +229,7 @@ TEST(SettingsInMemory, ThatMakeNoSense) {
             id + "fx is to lie between -500 and 0; give limits about values from 0.001 to 1e+09 px");
   EXPECT_EQ(constrained({{"left", "cx", 2e6, 2e6}}),
             id + "cx is fixed at 2000000; give a value from -1e+06 to 1e+06 px");
-  EXPECT_EQ(constrained({{"", "k1", -infinity, infinity}}), "no error");
+  EXPECT_EQ(constrained({{"", "k1", -testing::infinity, testing::infinity}}), "no error");
   EXPECT_EQ(constrained({{"", "k1", 1, -1}}),
             id + "k1 cannot lie between 1 and -1; give the lower limit first");
   EXPECT_EQ(constrained({{"up", "k1", 0, 0}}),

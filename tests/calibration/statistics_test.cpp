@@ -22,8 +22,8 @@ namespace {
 using testing::RigOptions;
 using testing::RigTruth;
 
-constexpr int runs = 100;
-constexpr double significance = 1e-3, normal_quantile = 3.2905;  // two-sided
+constexpr int kRuns = 100;
+constexpr double significance = 1e-3, kNormalQuantile = 3.2905;  // two-sided
 
 using Samples = std::map<std::string, std::vector<double>>;
 
@@ -76,7 +76,7 @@ TEST(CalibrateStatistics, ErrorsOverTheirStandardDeviationsAreUnitNormal) {
   settings.model = Model("opencv4");
   Samples samples;
   double rss = 0, redundancy = 0;
-  for (int seed = 0; seed < runs; ++seed) {
+  for (int seed = 0; seed < kRuns; ++seed) {
     std::mt19937_64 random(seed);
     RigTruth truth = testing::simulateTruth(options, random);
     for (auto& camera : truth.cameras) camera[8] = 0;
@@ -87,15 +87,15 @@ TEST(CalibrateStatistics, ErrorsOverTheirStandardDeviationsAreUnitNormal) {
     redundancy += result.redundancy;
   }
   ASSERT_EQ(samples.size(), 2u * 8 + 6 + 7);
-  const double ks_limit = std::sqrt(-0.5 * std::log(significance / 2)) / std::sqrt(double(runs));
+  const double ks_limit = std::sqrt(-0.5 * std::log(significance / 2)) / std::sqrt(double(kRuns));
   for (const auto& [name, z] : samples) {
     double square = 0;
     for (const double value : z) square += value * value;
-    EXPECT_LT(std::abs(normalOfChiSquare(square, runs)), normal_quantile)
-        << name << ": mean square " << square / runs;
+    EXPECT_LT(std::abs(normalOfChiSquare(square, kRuns)), kNormalQuantile)
+        << name << ": mean square " << square / kRuns;
     EXPECT_LT(kolmogorovSmirnov(z), ks_limit) << name;
   }
-  EXPECT_LT(std::abs(normalOfChiSquare(rss, redundancy)), normal_quantile) << rss << " for " << redundancy;
+  EXPECT_LT(std::abs(normalOfChiSquare(rss, redundancy)), kNormalQuantile) << rss << " for " << redundancy;
 }
 
 }  // namespace

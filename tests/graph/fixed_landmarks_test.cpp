@@ -44,7 +44,9 @@ void expectTheMinimum(int fixed) {
       const auto graph = parsed<Pose>(fittedGraph(content));
       for (std::size_t l = 0; l < graph.landmarks.size(); ++l) {
         EXPECT_EQ(graph.landmarks[l].fixed, start.landmarks[l].fixed);
-        if (start.landmarks[l].fixed) EXPECT_EQ(graph.landmarks[l].value, start.landmarks[l].value);
+        if (start.landmarks[l].fixed) {
+          EXPECT_EQ(graph.landmarks[l].value, start.landmarks[l].value);
+        }
       }
       for (const auto& pose : graph.poses) EXPECT_FALSE(pose.fixed);
     }

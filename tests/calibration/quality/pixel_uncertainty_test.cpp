@@ -12,7 +12,7 @@
 namespace slom::calibration {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 testing::CalibratedRig rigOf(unsigned seed) {
   return testing::calibratedRig(testing::smallBoards(), testing::opencv4(), seed);
@@ -26,7 +26,7 @@ TEST(PixelUncertainty, IsThatOfAllColumns) {
   for (std::size_t c = 0; c < 2; ++c) {
     for (const vec2& pixel : {vec2(320., 240.), vec2(0., 0.), vec2(639., 100.), vec2(17.5, 460.25)}) {
       const vec3 ray = *r.result.cameras[c].ray(pixel);
-      for (const double distance : {0.1, 0.7, 30., infinity}) {
+      for (const double distance : {0.1, 0.7, 30., kInfinity}) {
         const Eigen::Matrix2d expected = projectedPoint(rig, c, ray, distance).covariance(posterior);
         const std::optional<PixelCovariance> known = uncertainty.at(c, pixel, distance);
         ASSERT_TRUE(known);
@@ -63,11 +63,11 @@ TEST(PixelUncertainty, SaysWhatCannotBeAsked) {
   EXPECT_EQ(slom::testing::messageOf([&] { uncertainty.at(0, vec2(std::nan(""), 1.)); }),
             "[slom.calibration.bad-question] the pixel is (nan, 1); pass finite numbers");
   EXPECT_EQ(slom::testing::messageOf([&] { uncertainty.at(0, middle, -1); }),
-            "[slom.calibration.bad-question] the distance is -1 m; pass a positive number, or infinity");
+            "[slom.calibration.bad-question] the distance is -1 m; pass a positive number, or kInfinity");
   EXPECT_EQ(slom::testing::messageOf([&] { uncertainty.at(0, middle, 0); }),
-            "[slom.calibration.bad-question] the distance is 0 m; pass a positive number, or infinity");
+            "[slom.calibration.bad-question] the distance is 0 m; pass a positive number, or kInfinity");
   EXPECT_EQ(slom::testing::messageOf([&] { uncertainty.at(0, middle, std::nan("")); }),
-            "[slom.calibration.bad-question] the distance is nan m; pass a positive number, or infinity");
+            "[slom.calibration.bad-question] the distance is nan m; pass a positive number, or kInfinity");
 
   const std::string remedy = "; pass the result of calibrate() with these data";
   const std::string refused = "[slom.calibration.no-result] there is no uncertainty of pixels: ";

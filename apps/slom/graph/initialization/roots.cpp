@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include <Eigen/LU>
 #include <Eigen/SVD>
 
 namespace slom::app::graph {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <slom/initialize.hpp>
