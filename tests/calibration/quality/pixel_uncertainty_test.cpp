@@ -63,11 +63,11 @@ TEST(PixelUncertainty, SaysWhatCannotBeAsked) {
   EXPECT_EQ(slom::testing::messageOf([&] { uncertainty.at(0, vec2(std::nan(""), 1.)); }),
             "[slom.calibration.bad-question] the pixel is (nan, 1); pass finite numbers");
   EXPECT_EQ(slom::testing::messageOf([&] { uncertainty.at(0, middle, -1); }),
-            "[slom.calibration.bad-question] the distance is -1 m; pass a positive number, or kInfinity");
+            "[slom.calibration.bad-question] the distance is -1 m; pass a positive number, or infinity");
   EXPECT_EQ(slom::testing::messageOf([&] { uncertainty.at(0, middle, 0); }),
-            "[slom.calibration.bad-question] the distance is 0 m; pass a positive number, or kInfinity");
+            "[slom.calibration.bad-question] the distance is 0 m; pass a positive number, or infinity");
   EXPECT_EQ(slom::testing::messageOf([&] { uncertainty.at(0, middle, std::nan("")); }),
-            "[slom.calibration.bad-question] the distance is nan m; pass a positive number, or kInfinity");
+            "[slom.calibration.bad-question] the distance is nan m; pass a positive number, or infinity");
 
   const std::string remedy = "; pass the result of calibrate() with these data";
   const std::string refused = "[slom.calibration.no-result] there is no uncertainty of pixels: ";
