@@ -1,0 +1,2 @@
+#define SLOM_EIGEN_INSTANCE template
+#include "support/eigen_instances.hpp"
