@@ -2,7 +2,7 @@
 //
 //   bench_growth [MOST]      problems of 10^3, 10^4, ... up to MOST variables, 10^6 by default
 //
-// Chains of points, each measured from its neighbour. Prints nanoseconds a call for each size, and for diagnose() how many
+// Chains of points, each measured from its neighbour. Prints nanoseconds a call for each size, and for slom::diagnose how many
 // iterations of the fit it takes, all in processor time. Ends with status 1 when a call takes more than eight times as long in the largest problem as
 // in one of 10^4 variables; caches account for some of that.
 //
@@ -104,7 +104,7 @@ std::vector<std::pair<std::string, double>> measure(int size) {
   return times;
 }
 
-/// Seconds of an iteration, and of diagnose().
+/// Seconds of an iteration, and of slom::diagnose.
 std::pair<double, double> diagnosis(int size) {
   Chain chain(size);
   slom::Options options;
@@ -114,7 +114,7 @@ std::pair<double, double> diagnosis(int size) {
     chain.est.reinitRV(chain.points[0], Point(1, 1));
     chain.est.optimizeStep();
   });
-  return {iteration, seconds([&] { chain.est.diagnose(); })};
+  return {iteration, seconds([&] { slom::diagnose(chain.est); })};
 }
 
 /// A walk to and fro over a square of points, of about this size.
@@ -211,7 +211,7 @@ int main(int argc, char** argv) {
       grows = true;
     }
   }
-  std::printf("\n| diagnose(), in iterations |");
+  std::printf("\n| slom::diagnose, in iterations |");
   for (const int size : sizes) {
     const auto [iteration, diagnose] = diagnosis(size);
     std::printf(" %.1f (of %.3g s) |", diagnose / iteration, iteration);

@@ -28,7 +28,7 @@ std::string sentence(const std::string& what, double ratio) {
                       "standard deviations are " +
                           number(std::sqrt(ratio), 2) + " times too small"
                     : "the standard deviations are " + number(1 / std::sqrt(ratio), 2) + " times too large") +
-         "; outliers() names the worst data, Sigma::estimated takes the scale from the residuals";
+         "; slom::outliers(est) names the worst data, Sigma::estimated takes the scale from the residuals";
 }
 
 /// `Huber(1.345)`, or `losses such as Huber(1.345)` where there are several.

@@ -5,9 +5,11 @@
 #include <functional>
 #include <string>
 
-#include "slom/analyze/uncertainty.hpp"
+#include "slom/analyze/profile.hpp"
 
 namespace slom {
+
+class Problem;
 
 /// What a profile asks of the estimator.
 struct ProfiledFit {
@@ -20,7 +22,7 @@ struct ProfiledFit {
   std::function<double(int component)> half_width;
 };
 
-/// The interval of a component that is a coordinate, see Estimator::profile. Values, fixed components and bounds are as before when it
+/// The interval of a component that is a coordinate, see slom::profile. Values, fixed components and bounds are as before when it
 /// returns or throws.
 ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable, int component);
 

@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include <Eigen/Core>
+
 #include "analyze/clustered/group_refits.hpp"
 #include "analyze/free_network.hpp"
 #include "analyze/given_derivatives.hpp"
@@ -77,12 +79,17 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
         problem.valueRevision() == unconverged_values && problem.structureRevision() == unconverged_structure;
     return is_there ? unconverged : "";
   }
+  double rss() {
+    return run([&] { return linearizer.rss(problem); });
+  }
   /// Residuals less what the unknowns take of them, for the variance factor.
   int redundancy();
   /// Which standard deviations tests of residuals use, in a sentence; empty: those that are stated.
   std::string noiseOfTests(double variance_factor) const;
   /// The variance factor that covariances are multiplied by: 1, or estimated from the residuals. Throws [slom.no-redundancy].
   double varianceFactor();
+  /// That of two variables, as Estimator::covariance.
+  Eigen::MatrixXd covariance(int variable_a, int variable_b);
   /// Whether the current values count as a minimum, for statements that hold at one alone.
   bool isAtMinimum(double variance_factor);
   /// How far values move without each group of the first way; they come back.

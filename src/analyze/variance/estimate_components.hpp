@@ -14,7 +14,7 @@ struct [[gnu::visibility(
   std::vector<std::vector<int>> of_pool;  ///< by pool and measurement: its component, -1: none
 };
 
-/// Throws what varianceComponents() throws, but for [slom.not-a-minimum].
+/// Throws what slom::varianceComponents throws, but for [slom.not-a-minimum].
 VarianceComponents estimateComponents(const LinearizedProblem& linearized, FreeGauge gauge,
                                       const VarianceOptions& options);
 
