@@ -8,6 +8,7 @@
 #include "base/index.hpp"
 #include "base/words.hpp"
 #include "slom/analyze/chi_square.hpp"
+#include "slom/analyze/outliers.hpp"
 
 namespace slom {
 
@@ -102,7 +103,7 @@ std::vector<Panel> panelsOf(const Estimator& est) {
 std::vector<std::string> suspectsOf(const Estimator& est) {
   std::vector<std::string> names;
   try {
-    for (const MeasurementCheck& check : est.outliers().ranking()) {
+    for (const MeasurementCheck& check : outliers(est).ranking()) {
       if (check.is_suspect) names.push_back(check.measurement);
     }
   } catch (const Error&) {  // without covariances, the size of residuals cannot be judged
@@ -138,7 +139,7 @@ std::string panelText(const Panel& panel, const std::vector<std::string>& suspec
 }  // namespace
 
 double detail::sigmaFactor(const Estimator& est) {
-  return est.sigma() == Sigma::estimated ? std::sqrt(est.outliers({.worst = 0}).variance_factor) : 1;
+  return est.sigma() == Sigma::estimated ? std::sqrt(outliers(est, {.worst = 0}).variance_factor) : 1;
 }
 
 Plot detail::plotData(const std::vector<double>& x, const std::vector<double>& y,

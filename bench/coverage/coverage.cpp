@@ -135,7 +135,7 @@ Coverage poseGraphs(int rounds, const Errors& errors, int runs) {
         c = errors.memory * c + std::sqrt(1 - errors.memory * errors.memory) * normal(random);
     }
     if (!est.optimize().converged) continue;
-    const slom::Clustered clustered = est.clustered({.ordered = errors.is_ordered});
+    const slom::Clustered clustered = slom::clustered(est, {.ordered = errors.is_ordered});
     ++coverage.runs;
     for (const std::size_t k : {std::size_t(places / 2), std::size_t(places - 1)}) {
       Eigen::Vector3d error;

@@ -31,7 +31,7 @@ void printRow(const Design& design, int runs) {
     const auto p = simulate(est, design, random);
     est.optimize({.most_parameters = 0});
     for (std::size_t i = 0; i < kCorrections.size(); ++i)
-      tallies[i].add(design, est.clustered(optionsOf(design, kCorrections[i])), p);
+      tallies[i].add(design, clustered(est, optionsOf(design, kCorrections[i])), p);
   }
   std::printf("| %d%s | %s | %d |", design.ways, design.is_ordered ? ", in order" : "", nameOf(design.sizes),
               design.groups);

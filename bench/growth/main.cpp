@@ -116,7 +116,7 @@ std::pair<double, double> diagnosis(int size) {
     chain.est.reinitRV(chain.points[0], Point(1, 1));
     chain.est.optimizeStep();
   });
-  return {iteration, seconds([&] { chain.est.diagnose(); })};
+  return {iteration, seconds([&] { slom::diagnose(chain.est); })};
 }
 
 /// A walk to and fro over a square of about this many points.
@@ -213,7 +213,7 @@ int main(int argc, char** argv) {
       grows = true;
     }
   }
-  std::printf("\n| diagnose(), in iterations |");
+  std::printf("\n| slom::diagnose, in iterations |");
   for (const int size : sizes) {
     const auto [iteration, diagnose] = diagnosis(size);
     std::printf(" %.1f (of %.3g s) |", diagnose / iteration, iteration);

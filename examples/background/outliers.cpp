@@ -60,7 +60,7 @@ void printOutliers(std::ostream& os) {
                  fit.weights[15], fit.weights[16], fit.weights[18]);
   }
   const LineFit plain{slom::Loss()};
-  os << "\n" << plain.est.outliers({.worst = 5});
+  os << "\n" << slom::outliers(plain.est, {.worst = 5});
 }
 
 void drawLosses(Plot& plot) {

@@ -47,7 +47,7 @@ struct Coverage {
     for (int i = 0; i < count; ++i) {
       const Simulation s(noise, day_sigma);
       const double error = std::abs(*s.rest - kTruth.x());
-      const slom::Clustered by_day = s.est.clustered({.by = {"day"}});
+      const slom::Clustered by_day = slom::clustered(s.est, {.by = {"day"}});
       stated += error < 1.96 * s.est.standardDeviation(s.rest)[0];
       clustered += error < by_day.interval(s.rest, 0.95)[0];
     }

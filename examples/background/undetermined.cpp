@@ -46,7 +46,7 @@ struct Boat {
 
 void printUndetermined(std::ostream& os) {
   Posts free;
-  os << free.est.diagnose() << "\n";
+  os << slom::diagnose(free.est) << "\n";
   Posts fixed;
   fixed.est.fix(fixed.posts[0]);
   fixed.est.fix(fixed.posts[1], "y");

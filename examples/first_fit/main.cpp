@@ -19,7 +19,7 @@ int main(int argc, char**) {
                           slom::named("distance"));
   }
   const slom::Summary summary = est.optimize();
-  const slom::OutlierReport outliers = est.outliers();
+  const slom::OutlierReport outliers = slom::outliers(est);
 
   slom::Estimator robust;
   auto tag_again = robust.insertRV(Eigen::Vector2d(4, 3), "tag");

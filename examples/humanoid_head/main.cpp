@@ -42,17 +42,19 @@ struct Camera : mtk::vect<4, S> {
 constexpr auto corner_in_left = [](const auto& camera, const auto& left2world, const vec3& corner) {
   return camera.project(left2world.inverse() * corner);
 };
-constexpr auto corner_in_right = [](const auto& camera, const auto& left2right, const auto& left2world, const vec3& corner) {
+constexpr auto corner_in_right = [](const auto& camera, const auto& left2right, const auto& left2world,
+                                    const vec3& corner) {
   return camera.project(left2right * (left2world.inverse() * corner));
 };
 constexpr auto gravity = [](const auto& left2imu, const auto& left2world) {
   return left2imu * (left2world.orient.inverse() * vec3(0, 0, -9.81));
 };
-constexpr auto marker_in_left = [](const auto& camera, const auto& left2head, const auto& marker, const SE3& hand2head) {
+constexpr auto marker_in_left = [](const auto& camera, const auto& left2head, const auto& marker,
+                                   const SE3& hand2head) {
   return camera.project(left2head.inverse() * (hand2head * marker));
 };
-constexpr auto marker_in_right = [](const auto& camera, const auto& left2right, const auto& left2head, const auto& marker,
-                                    const SE3& hand2head) {
+constexpr auto marker_in_right = [](const auto& camera, const auto& left2right, const auto& left2head,
+                                    const auto& marker, const SE3& hand2head) {
   return camera.project(left2right * (left2head.inverse() * (hand2head * marker)));
 };
 
@@ -83,7 +85,8 @@ SE3 readPose(std::istream& is) {
 }
 
 int main(int argc, char** argv) try {
-  if (argc != 2) throw std::runtime_error("usage: example_humanoid_head FOLDER, with the files that main.cpp names");
+  if (argc != 2)
+    throw std::runtime_error("usage: example_humanoid_head FOLDER, with the files that main.cpp names");
   const std::string folder = std::string(argv[1]) + "/";
 
   slom::Estimator est;
@@ -102,7 +105,8 @@ int main(int argc, char** argv) try {
     } else if (name == "left2imu") {
       left2imu = est.insertRV(readRotation(row), name);
     } else if (name.starts_with("p_hand")) {
-      marker[name.back() == 'l' ? "left_hand" : "right_hand"] = est.insertRV(vec3(0, 0, 0), name.back() == 'l' ? "left marker" : "right marker");
+      marker[name.back() == 'l' ? "left_hand" : "right_hand"] =
+          est.insertRV(vec3(0, 0, 0), name.back() == 'l' ? "left marker" : "right marker");
     } else {
       const auto id = est.insertRV(readPose(row), name == "cam2head" ? "left2head" : name);
       if (name == "left2right") left2right = id;
@@ -117,40 +121,46 @@ int main(int argc, char** argv) try {
   const slom::StandardDeviation corner_sigma(0.25), acc_sigma(0.05), marker_sigma(1.0);
   for (std::istringstream& row : rowsOf(folder + "left_corners.csv")) {
     row >> image >> number >> corner >> pixel;
-    est.insertMeasurement(corner_in_left, left, left2world.at(image - 1), corner, slom::measured(pixel), corner_sigma, slom::named("left corner"));
+    est.insertMeasurement(corner_in_left, left, left2world.at(image - 1), corner, slom::measured(pixel),
+                          corner_sigma, slom::named("left corner"));
   }
   for (std::istringstream& row : rowsOf(folder + "right_corners.csv")) {
     row >> image >> number >> corner >> pixel;
-    est.insertMeasurement(corner_in_right, right, left2right, left2world.at(image - 1), corner, slom::measured(pixel), corner_sigma,
-                          slom::named("right corner"));
+    est.insertMeasurement(corner_in_right, right, left2right, left2world.at(image - 1), corner,
+                          slom::measured(pixel), corner_sigma, slom::named("right corner"));
   }
   for (std::istringstream& row : rowsOf(folder + "imu.csv")) {
     row >> image >> acc >> valid;
-    if (valid == 1) est.insertMeasurement(gravity, left2imu, left2world.at(image - 1), slom::measured(acc), acc_sigma, slom::named("accelerometer"));
+    if (valid == 1)
+      est.insertMeasurement(gravity, left2imu, left2world.at(image - 1), slom::measured(acc), acc_sigma,
+                            slom::named("accelerometer"));
   }
   for (const auto& [hand, position] : marker) {
     for (std::istringstream& row : rowsOf(folder + hand + ".csv")) {
       row >> image >> number >> pixel >> pixel_right;
       const SE3 hand2head = readPose(row);
-      est.insertMeasurement(marker_in_left, left, left2head, position, hand2head, slom::measured(pixel), marker_sigma, slom::named("marker in left"));
-      est.insertMeasurement(marker_in_right, right, left2right, left2head, position, hand2head, slom::measured(pixel_right), marker_sigma,
-                            slom::named("marker in right"));
+      est.insertMeasurement(marker_in_left, left, left2head, position, hand2head, slom::measured(pixel),
+                            marker_sigma, slom::named("marker in left"));
+      est.insertMeasurement(marker_in_right, right, left2right, left2head, position, hand2head,
+                            slom::measured(pixel_right), marker_sigma, slom::named("marker in right"));
     }
   }
 
   const slom::Summary summary = est.optimize();
-  std::cout << (summary.converged ? "converged" : summary.message) << ": " << summary.measurements << " residuals, "
-            << summary.unknowns << " unknowns\n";
+  std::cout << (summary.converged ? "converged" : summary.message) << ": " << summary.measurements
+            << " residuals, " << summary.unknowns << " unknowns\n";
   std::cout.precision(5);
   for (const slom::GroupSummary& group : summary.groups) {
-    std::cout << "  " << group.name << ": RMS " << std::sqrt(group.final_rss / group.residuals) << " standard deviations\n";
+    std::cout << "  " << group.name << ": RMS " << std::sqrt(group.final_rss / group.residuals)
+              << " standard deviations\n";
   }
-  std::cout << est.varianceComponents().report();  // size of their errors, relative to the stated size
+  std::cout << slom::varianceComponents(est).report();  // size of their errors, relative to the stated size
   std::cout.precision(4);
   const slom::Marginals marginals = est.marginals();
   const auto show = [&](const auto& id) {
     std::cout << est.nameOf(id) << ": " << *id << "\n  +- "
-              << marginals.covariance(id).diagonal().cwiseSqrt().transpose().format({3, Eigen::DontAlignCols}) << "\n";
+              << marginals.covariance(id).diagonal().cwiseSqrt().transpose().format({3, Eigen::DontAlignCols})
+              << "\n";
   };
   show(left), show(right), show(left2right), show(left2imu), show(left2head);
   for (const auto& [hand, position] : marker) show(position);

@@ -9,6 +9,9 @@
 /// measurement with a robust loss (slom/model/loss.hpp) adds rho(|W r|^2) to the RSS instead of |W r|^2. Every RSS
 /// below is this robust cost. The functions residual, whitenedResidual and residuals ignore losses.
 ///
+/// Analyses of a fit are functions that take the estimator, below slom/analyze: diagnose, preflight, outliers,
+/// checkDerivatives, profile, intervals, clustered and varianceComponents. slom/slom.hpp includes them.
+///
 /// Several threads call measurement functions at once (setThreads changes that), so these must not write to shared
 /// data.
 ///
@@ -17,7 +20,6 @@
 #pragma once
 
 #include <concepts>
-#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -27,11 +29,6 @@
 
 #include <Eigen/Core>
 
-#include "slom/analyze/derivative_check.hpp"
-#include "slom/analyze/diagnosis.hpp"
-#include "slom/analyze/intervals.hpp"
-#include "slom/analyze/outliers.hpp"
-#include "slom/analyze/preflight.hpp"
 #include "slom/analyze/printing.hpp"
 #include "slom/analyze/report.hpp"
 #include "slom/analyze/uncertainty.hpp"
@@ -49,13 +46,11 @@
 namespace slom {
 
 class Archive;
-class Clustered;
 class GaussianPrior;
-struct ClusterOptions;
-struct VarianceComponents;
-struct VarianceOptions;
 
 namespace detail {
+
+struct AnalysisAccess;
 
 [[noreturn]] void raiseMovedFrom();
 
@@ -293,7 +288,7 @@ class Estimator {
 
   /// Puts an existing measurement into a group, in place of its group of the same dimension, if any.
   void setGroup(const MeasurementHandle& id, const Group& group);
-  /// Removes a measurement: `est.removeMeasurement(est.outliers().ranking().front().id)`.
+  /// Removes a measurement: `est.removeMeasurement(slom::outliers(est).ranking().front().id)`.
   void removeMeasurement(const MeasurementHandle& id);
   /// Returns the name used in messages and reports, such as `Gravity #12`: the label or type, and the running number
   /// among measurements of that label or type.
@@ -349,7 +344,7 @@ class Estimator {
   /// Sets the maximum number of threads; 0 (default): all of the machine. Any number gives the same bits.
   void setThreads(int threads);
 
-  // Uncertainty and diagnostics.
+  // Residuals and uncertainty.
 
   /// Returns the sum of squared whitened residuals at the current values. A measurement with a loss adds rho(|W r|^2).
   double getRSS() const;
@@ -508,82 +503,12 @@ class Estimator {
     return problem().componentNames(problem().indexOf(id));
   }
 
-  /// Examines the problem at the current values: its rank, the unknowns that are not or hardly determined, by the
-  /// user's names, and what to do about them. If all unknowns are well determined, this takes as long as 10 to 30
-  /// iterations of the fit (bench_growth); if many are hardly determined, longer.
-  Diagnosis diagnose() const;
-
-  /// Checks the problem before solving. Evaluates every measurement once at the current values, compares derivatives of
-  /// some of each group, counts residuals, and diagnoses the rest. Throws nothing for what it finds.
-  Preflight preflight() const;
-  /// Returns the interval in which a component lies with this probability, by profile likelihood. At the ends of the
-  /// interval, the best fit of everything else has an RSS that is larger by the quantile of chi-square. With
-  /// Sigma::estimated, it is larger by the square of Student's quantile for the redundancy, times the variance factor
-  /// (F(1, redundancy): Bates and Watts, "Nonlinear regression analysis", 1988, section 6.1). If the RSS is not
-  /// quadratic, the interval says more than the standard deviation.
-  ///
-  /// Works for coordinates of vectors, at the values of a fit, which are restored afterwards. An end that is not
-  /// reached within 1000 standard deviations is infinite. If the component's bound is reached first, the interval ends
-  /// there. If the component is at its bound, the interval is one-sided, from the bound inwards. A fixed component has
-  /// width 0. Throws [slom.not-a-minimum], [slom.bad-option], [slom.no-component] and as covariance does.
-  ///   source   Venzon and Moolgavkar, "A method for computing profile-likelihood-based confidence intervals", 1988
-  template <class T>
-  ProfileInterval profile(const VarID<T>& id, const std::string& path, double probability = 0.95) {
-    return profile(problem().indexOf(id), path, probability, nullptr);
-  }
-
-  /// Returns the interval of a variable that has one component.
-  template <class T>
-  ProfileInterval profile(const VarID<T>& id, double probability = 0.95) {
-    return profile(problem().indexOf(id), "", probability, nullptr);
-  }
-  /// Returns the interval for errors that measurements share. At its ends the best fit of everything else is worse by
-  /// (t s / s_stated)^2. Here s is the clustered standard deviation, s_stated the stated one, and t Student's quantile
-  /// for the degrees of freedom of s. If the RSS is quadratic, the interval equals Clustered::interval. The values move
-  /// meanwhile, so `clustered` and other results computed from them are stale afterwards. Throws
-  /// [slom.stale-clustered], [slom.no-clustered-deviation] and as profile does.
-  template <class T>
-  ProfileInterval profile(const VarID<T>& id, const std::string& path, const Clustered& clustered,
-                          double probability = 0.95) {
-    return profile(problem().indexOf(id), path, probability, &clustered);
-  }
-
-  /// Returns the intervals of all unknowns, each as from profile. Intervals of components that are not coordinates come
-  /// from their standard deviations. Throws as profile does.
-  IntervalTable intervals(double probability = 0.95);
-  /// Returns the intervals of all unknowns for errors that measurements share, as from profile with `clustered`.
-  IntervalTable intervals(const Clustered& clustered, double probability = 0.95);
-
-  /// Tests each measurement against all others, at the values of the fit: studentised residual, redundancy, p-value of
-  /// the residual, and how far the fit would move without the measurement. Throws as covariance does.
-  OutlierReport outliers(const OutlierOptions& options = {}) const;
-
-  /// Returns covariances for errors that measurements share within groups (slom::group and other ways), at the values
-  /// of the fit; see slom/analyze/clustered.hpp. Throws [slom.no-groups], [slom.bad-group], [slom.too-few-groups],
-  /// [slom.not-a-minimum] and as covariance does.
-  Clustered clustered() const;
-  Clustered clustered(const ClusterOptions& options) const;
-
-  /// Estimates the size of the errors of each kind of measurement, relative to the stated ones, and of the errors that
-  /// groups share. Works at the values of the fit and keeps them; see slom/analyze/variance_components.hpp. Throws
-  /// [slom.not-a-minimum], [slom.no-component], [slom.components-with-loss], [slom.no-groups], [slom.bad-group],
-  /// [slom.bad-option] and as covariance does.
-  VarianceComponents varianceComponents() const;
-  VarianceComponents varianceComponents(const VarianceOptions& options) const;
-  /// Multiplies the stated standard deviations of each kind by its factor, for all later computations. Call optimize()
-  /// afterwards. Shared errors are not changed. To include them in the fit, add a variable with a prior for each group.
-  /// Throws [slom.stale-components].
-  void apply(const VarianceComponents& components);
-
-  /// Compares the derivatives of all measurements at the current values with differences. Reports the worst entry of
-  /// each group by name and, if it is wrong, a guess at the cause. Slow; meant for development.
-  DerivativeCheck checkDerivatives() const;
-
   /// Returns one sentence for each optimised variable that no measurement depends on.
   std::vector<std::string> warnings() const;
 
  private:
   friend class Archive;
+  friend struct detail::AnalysisAccess;
 
   template <class T>
   auto insertVariable(const T& value, bool optimize, std::string_view name) {
@@ -643,12 +568,6 @@ class Estimator {
     setFixed(variable, first, count, is_fixed);
   }
   void bound(int variable, const std::string& path, double lower, double upper);
-  using HalfWidth = std::function<double(int component)>;
-  HalfWidth halfWidth(int variable, double probability, const Clustered* clustered);
-  ProfileInterval profile(int variable, int component, HalfWidth half_width);
-  ProfileInterval profile(int variable, const std::string& path, double probability,
-                          const Clustered* clustered);
-  IntervalTable intervals(double probability, const Clustered* clustered);
   void setFixed(int variable, int first, int count, bool is_fixed);
   [[noreturn]] void raiseNoMember(int variable) const;
 

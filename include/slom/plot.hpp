@@ -90,7 +90,7 @@ Plot plot(const Estimator& est, const std::vector<double>& x, const std::vector<
 }
 
 /// Draws the residuals of all measurements in units of their standard deviations. Each label or type has a panel, in
-/// the order of insertion, with the band that contains 95 % of good residuals. Suspects of Estimator::outliers() are
+/// the order of insertion, with the band that contains 95 % of good residuals. Suspects of slom::outliers are
 /// marked by name. Without covariances, as with a free gauge, no suspects are marked.
 Plot plotResiduals(const Estimator& est);
 

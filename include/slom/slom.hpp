@@ -1,7 +1,15 @@
-/// Everything a user of SLoM needs: mtk and the estimator.
+/// Everything a user of SLoM needs: mtk, the estimator and the analyses of its fits.
 #pragma once
 
 #include "mtk/mtk.hpp"
+#include "slom/analyze/clustered.hpp"
+#include "slom/analyze/derivative_check.hpp"
+#include "slom/analyze/diagnosis.hpp"
+#include "slom/analyze/intervals.hpp"
+#include "slom/analyze/outliers.hpp"
+#include "slom/analyze/preflight.hpp"
+#include "slom/analyze/profile.hpp"
+#include "slom/analyze/variance_components.hpp"
 #include "slom/estimator.hpp"
 #include "slom/model/loss.hpp"
 #include "slom/model/measurement.hpp"

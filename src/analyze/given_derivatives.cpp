@@ -19,7 +19,7 @@ void GivenDerivatives::check(const Problem& problem, std::vector<std::string>& w
       for (const GroupDerivativeCheck& group : findWrongDerivatives(problem, kMeasurements).groups) {
         found_.push_back(group.sentence() +
                          "; wrong derivatives lead to other values or wrong standard deviations: "
-                         "checkDerivatives() compares them all");
+                         "slom::checkDerivatives(est) compares them all");
       }
     } catch (...) {  // the function throws next to the fit, so it cannot be checked
     }

@@ -28,7 +28,7 @@ std::string sentence(const std::string& what, double ratio) {
                       "standard deviations are " +
                           number(std::sqrt(ratio), 2) + " times too small"
                     : "the standard deviations are " + number(1 / std::sqrt(ratio), 2) + " times too large") +
-         "; outliers() names the worst data, Sigma::estimated takes the scale from the residuals";
+         "; slom::outliers(est) names the worst data, Sigma::estimated takes the scale from the residuals";
 }
 
 /// Returns `the loss Huber(1.345) gives`, or `losses such as Huber(1.345) give` if there are several.

@@ -5,9 +5,11 @@
 #include <functional>
 #include <string>
 
-#include "slom/analyze/uncertainty.hpp"
+#include "slom/analyze/profile.hpp"
 
 namespace slom {
+
+class Problem;
 
 /// Functions of the estimator that a profile needs.
 struct ProfiledFit {
@@ -20,7 +22,7 @@ struct ProfiledFit {
   std::function<double(int component)> half_width;
 };
 
-/// Returns the interval of a component that is a coordinate, see Estimator::profile. Restores values, fixed components
+/// Returns the interval of a component that is a coordinate, see slom::profile. Restores values, fixed components
 /// and bounds, also if it throws.
 ProfileInterval profileLikelihood(Problem& problem, const ProfiledFit& fit, int variable, int component);
 

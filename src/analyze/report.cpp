@@ -7,7 +7,7 @@
 
 #include "base/classic_numbers.hpp"
 #include "base/words.hpp"
-#include "slom/analyze/uncertainty.hpp"
+#include "slom/analyze/profile.hpp"
 
 namespace slom {
 

@@ -26,7 +26,7 @@ Error singularError(const Problem& problem, const ProblemStructure& structure, c
   if (!is_named) {  // the solver is the user's own
     return {
         "slom.rank-deficient",
-        "the solver found no unique solution and does not name an unknown; diagnose() lists what is not determined"};
+        "the solver found no unique solution and does not name an unknown; slom::diagnose(est) lists what is not determined"};
   }
   const int variable = variableOf(structure, status.unknown);
   if (problem.variables()[static_cast<std::size_t>(variable)].uses == 0) {

@@ -3,7 +3,7 @@
 
 #include "analyze/clustered/clustered_state.hpp"
 #include "base/index.hpp"
-#include "estimator/state.hpp"
+#include "estimator/analysis_access.hpp"
 
 namespace slom {
 
@@ -30,20 +30,21 @@ GroupRefits Estimator::State::refitGroups(const ClusterOptions& options) {
   return result;
 }
 
-Clustered Estimator::clustered() const { return clustered(ClusterOptions{}); }
+Clustered clustered(const Estimator& est) { return clustered(est, ClusterOptions{}); }
 
-Clustered Estimator::clustered(const ClusterOptions& options) const {
-  const double factor = state_->varianceFactor();
-  if (!state_->isAtMinimum(factor)) {
+Clustered clustered(const Estimator& est, const ClusterOptions& options) {
+  EstimatorState& own = stateOf(est);
+  const double factor = own.varianceFactor();
+  if (!own.isAtMinimum(factor)) {
     throw Error("slom.not-a-minimum",
                 "clustered covariances need the values of a converged fit; call optimize() and check "
                 "summary.converged",
                 "clustered");
   }
   std::optional<GroupRefits> refits;
-  if (options.refit) refits = state_->refitGroups(options);
-  return state_->analyze([&](const LinearizedProblem&) {
-    auto state = std::make_shared<Clustered::State>(state_->current, state_->gauge, factor, options);
+  if (options.refit) refits = own.refitGroups(options);
+  return own.analyze([&](const LinearizedProblem&) {
+    auto state = std::make_shared<Clustered::State>(own.current, own.gauge, factor, options);
     state->refits = std::move(refits);
     return Clustered(std::move(state));
   });

@@ -8,8 +8,6 @@
 #include "analyze/diagnose.hpp"
 #include "analyze/fit_tables.hpp"
 #include "analyze/free_directions.hpp"
-#include "analyze/preflight.hpp"
-#include "analyze/residual_tests.hpp"
 #include "analyze/singular.hpp"
 #include "base/index.hpp"
 #include "base/words.hpp"
@@ -191,9 +189,7 @@ void Estimator::setThreads(int threads) {
   state_->threads = threads;
 }
 
-double Estimator::getRSS() const {
-  return state_->run([&] { return state_->linearizer.rss(problem()); });
-}
+double Estimator::getRSS() const { return state_->rss(); }
 
 double Estimator::rssOfPools(const std::vector<const MeasurementPool*>& pools) const {
   const std::vector<double> rss = state_->run([&] { return state_->linearizer.rssPerPool(problem()); });
@@ -247,11 +243,15 @@ void Estimator::writeResidual(MeasurementPool& pool, int i, bool whitened, doubl
 
 void Estimator::writeResiduals(double* r) const { state_->linearizer.residuals(problem(), r); }
 
+Eigen::MatrixXd Estimator::State::covariance(int variable_a, int variable_b) {
+  const double factor = varianceFactor();
+  return factor * analyze([&](const LinearizedProblem& linearized) {
+           return covarianceBlock(linearized, gauge, variable_a, variable_b);
+         });
+}
+
 void Estimator::writeCovariance(int variable_a, int variable_b, double* block) const {
-  const double factor = state_->varianceFactor();
-  const Eigen::MatrixXd result = factor * state_->analyze([&](const LinearizedProblem& linearized) {
-    return covarianceBlock(linearized, state_->gauge, variable_a, variable_b);
-  });
+  const Eigen::MatrixXd result = state_->covariance(variable_a, variable_b);
   std::copy(result.data(), result.data() + result.size(), block);
 }
 
@@ -264,10 +264,8 @@ void Estimator::writeJointCovariance(const int* variables, int count, double* ou
 }
 
 void Estimator::writeDeviations(int variable, double* deviations) const {
-  const int dof = problem().variables()[static_cast<std::size_t>(variable)].dof;
-  Eigen::MatrixXd C(dof, dof);
-  writeCovariance(variable, variable, C.data());
-  Eigen::Map<Eigen::VectorXd>(deviations, dof) = detail::deviations(C);
+  const Eigen::VectorXd result = detail::deviations(state_->covariance(variable, variable));
+  std::copy(result.data(), result.data() + result.size(), deviations);
 }
 
 Marginals Estimator::marginals() const {
@@ -335,34 +333,6 @@ void Estimator::addParametersTo(Summary& summary) const {
   });
 }
 
-Diagnosis Estimator::diagnose() const {
-  Diagnosis result =
-      state_->analyze([](const LinearizedProblem& linearized) { return linearized.diagnosis(); });
-  result.unconverged = state_->whyUnconverged();
-  for (Finding& finding : result.findings)  // a free gauge is intended, so it is no fault
-    finding.is_fault =
-        finding.is_fault && !(finding.kind == Finding::Kind::gauge && state_->gauge != FreeGauge::error);
-  if (state_->sigma == Sigma::estimated)
-    std::erase_if(result.findings,
-                  [](const Finding& finding) { return finding.kind == Finding::Kind::implausible_sigma; });
-  return result;
-}
-
-OutlierReport Estimator::outliers(const OutlierOptions& options) const {
-  const double factor = state_->varianceFactor();
-  const int redundancy = state_->sigma == Sigma::estimated ? state_->redundancy() : 0;
-  OutlierReport result = state_->analyze([&](const LinearizedProblem& linearized) {
-    return checkResiduals(linearized, options, factor, redundancy, state_->gauge);
-  });
-  result.noise = state_->noiseOfTests(factor);
-  result.unconverged = state_->whyUnconverged();
-  return result;
-}
-
-Preflight Estimator::preflight() const {
-  return state_->analyze([](const LinearizedProblem& linearized) { return slom::preflight(linearized); });
-}
-
 void Estimator::bound(int variable, const std::string& path, double lower, double upper) {
   std::vector<int> components(at(dofOf(variable)));
   std::iota(components.begin(), components.end(), 0);
@@ -382,8 +352,6 @@ void Estimator::raiseNoMember(int variable) const {
                   " is not one of its manifold's parts; pass one that [+] moves",
               problem().variableName(variable));
 }
-
-DerivativeCheck Estimator::checkDerivatives() const { return compareDerivatives(problem()); }
 
 std::vector<std::string> Estimator::warnings() const { return unmeasuredVariables(problem()); }
 

@@ -1,39 +1,45 @@
 // Confidence intervals of one component, and of all.
+#include "slom/analyze/intervals.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "analyze/fit_tables.hpp"
 #include "analyze/profile.hpp"
 #include "base/index.hpp"
-#include "estimator/state.hpp"
+#include "estimator/analysis_access.hpp"
 #include "slom/analyze/chi_square.hpp"
 #include "slom/analyze/clustered.hpp"
+#include "slom/analyze/profile.hpp"
 #include "slom/analyze/student.hpp"
 
 namespace slom {
 
+namespace {
+
+using HalfWidth = std::function<double(int component)>;
+
 /// Returns half the interval in stated standard deviations, as a function of the component, for a quadratic RSS.
 /// Computes all components now, because `clustered` is stale once a profile has moved the values.
-Estimator::HalfWidth Estimator::halfWidth(int variable, double probability, const Clustered* clustered) {
+HalfWidth halfWidth(EstimatorState& own, int variable, double probability, const Clustered* clustered) {
   requireProbabilityOfProfile(probability);
   if (clustered == nullptr) {
-    const double quantile = state_->sigma == Sigma::estimated
-                                ? studentCritical(1 - probability, std::max(1, state_->redundancy()))
+    const double quantile = own.sigma == Sigma::estimated
+                                ? studentCritical(1 - probability, std::max(1, own.redundancy()))
                                 : std::sqrt(chiSquareCritical(1 - probability, 1));
     return [quantile](int) { return quantile; };
   }
-  if (&clustered->problem() != &problem()) {
-    throw Error("slom.stale-clustered",
-                "the clustered covariances belong to another estimator; pass the result of clustered() of "
-                "this one",
-                "Clustered");
+  if (&detail::AnalysisAccess::problem(*clustered) != &own.problem) {
+    throw Error(
+        "slom.stale-clustered",
+        "the clustered covariances belong to another estimator; pass slom::clustered(est) of this one",
+        "Clustered");
   }
-  const int dof = dofOf(variable);
-  Eigen::VectorXd half_widths(dof), deviations(dof);
-  clustered->writePerComponent(variable, Clustered::Kind::interval, probability, half_widths.data());
-  writeDeviations(variable, deviations.data());
-  return [half_widths, deviations, names = problem().componentNames(variable)](int component) {
+  const Eigen::VectorXd half_widths = detail::AnalysisAccess::halfWidths(*clustered, variable, probability),
+                        deviations = detail::deviations(own.covariance(variable, variable));
+  return [half_widths, deviations, names = own.problem.componentNames(variable)](int component) {
     if (half_widths[component] > 0) return half_widths[component] / deviations[component];
     throw Error("slom.no-clustered-deviation",
                 names[at(component)] +
@@ -44,15 +50,9 @@ Estimator::HalfWidth Estimator::halfWidth(int variable, double probability, cons
   };
 }
 
-ProfileInterval Estimator::profile(int variable, const std::string& path, double probability,
-                                   const Clustered* clustered) {
-  HalfWidth half_width = halfWidth(variable, probability, clustered);
-  return profile(variable, profiledComponent(problem(), variable, path), std::move(half_width));
-}
-
-ProfileInterval Estimator::profile(int variable, int component, HalfWidth half_width) {
-  if (state_->isFreeNetwork()) {
-    const std::string name = problem().componentNames(variable)[at(component)];
+ProfileInterval profileOf(EstimatorState& own, int variable, int component, HalfWidth half_width) {
+  if (own.isFreeNetwork()) {
+    const std::string name = own.problem.componentNames(variable)[at(component)];
     throw Error("slom.free-gauge",
                 "the profile of " + name +
                     " has no ends, because the datum of a free network is a choice; fix a datum, or take its "
@@ -60,42 +60,47 @@ ProfileInterval Estimator::profile(int variable, int component, HalfWidth half_w
                 name);
   }
   ProfiledFit fit;
-  fit.variance_factor = [this] { return state_->varianceFactor(); };
-  fit.is_at_minimum = [this](double variance_factor) { return state_->isAtMinimum(variance_factor); };
-  fit.rss = [this] { return getRSS(); };
-  fit.covariance = [this, variable](double* C) { writeCovariance(variable, variable, C); };
-  fit.refit = [this] { return optimize().final_rss; };
+  fit.variance_factor = [&own] { return own.varianceFactor(); };
+  fit.is_at_minimum = [&own](double variance_factor) { return own.isAtMinimum(variance_factor); };
+  fit.rss = [&own] { return own.rss(); };
+  fit.covariance = [&own, variable](double* C) {
+    const Eigen::MatrixXd block = own.covariance(variable, variable);
+    std::copy(block.data(), block.data() + block.size(), C);
+  };
+  fit.refit = [&own] { return own.optimize(*own.algorithm, {}).final_rss; };
   fit.half_width = std::move(half_width);
-  return profileLikelihood(problem(), fit, variable, component);
+  return profileLikelihood(own.problem, fit, variable, component);
 }
 
-IntervalTable Estimator::intervals(double probability) { return intervals(probability, nullptr); }
-
-IntervalTable Estimator::intervals(const Clustered& clustered, double probability) {
-  return intervals(probability, &clustered);
+ProfileInterval profileAt(const Estimator& est, const VariableHandle& id, const std::string& path,
+                          double probability, const Clustered* clustered) {
+  EstimatorState& own = stateOf(est);
+  const int variable = own.problem.indexOf(id);
+  HalfWidth half_width = halfWidth(own, variable, probability, clustered);
+  return profileOf(own, variable, profiledComponent(own.problem, variable, path), std::move(half_width));
 }
 
-IntervalTable Estimator::intervals(double probability, const Clustered* clustered) {
+IntervalTable intervalsOf(EstimatorState& own, double probability, const Clustered* clustered) {
   requireProbabilityOfProfile(probability);
-  const double factor = state_->varianceFactor();
+  const double factor = own.varianceFactor();
   bool has_rotations = false;
-  const std::vector<UnknownRow> unknowns = state_->analyze([&](const LinearizedProblem& linearized) {
-    return unknownRows(linearized, state_->gauge, factor, has_rotations);
+  const std::vector<UnknownRow> unknowns = own.analyze([&](const LinearizedProblem& linearized) {
+    return unknownRows(linearized, own.gauge, factor, has_rotations);
   });
-  std::vector<HalfWidth> half_width(problem().variables().size());
+  std::vector<HalfWidth> half_width(own.problem.variables().size());
   for (const UnknownRow& unknown : unknowns) {
-    HalfWidth& own = half_width[at(unknown.variable)];
-    if (!own) own = halfWidth(unknown.variable, probability, clustered);
+    HalfWidth& of_variable = half_width[at(unknown.variable)];
+    if (!of_variable) of_variable = halfWidth(own, unknown.variable, probability, clustered);
   }
-  const bool is_free_network = state_->isFreeNetwork();
+  const bool is_free_network = own.isFreeNetwork();
   IntervalTable table;
   table.probability = probability;
   for (const auto& [variable, component, parameter, is_at_bound] : unknowns) {
     ParameterInterval row{
         .name = parameter.name, .value = parameter.value, .standard_deviation = parameter.standard_deviation};
-    row.is_profile = !is_free_network && isCoordinate(problem(), variable, component);
+    row.is_profile = !is_free_network && isCoordinate(own.problem, variable, component);
     if (row.is_profile) {
-      const ProfileInterval interval = profile(variable, component, half_width[at(variable)]);
+      const ProfileInterval interval = profileOf(own, variable, component, half_width[at(variable)]);
       row.lower = interval.lower;
       row.upper = interval.upper;
     } else {
@@ -106,6 +111,30 @@ IntervalTable Estimator::intervals(double probability, const Clustered* clustere
     table.rows.push_back(std::move(row));
   }
   return table;
+}
+
+}  // namespace
+
+ProfileInterval profile(Estimator& est, const VariableHandle& id, const std::string& path,
+                        double probability) {
+  return profileAt(est, id, path, probability, nullptr);
+}
+
+ProfileInterval profile(Estimator& est, const VariableHandle& id, double probability) {
+  return profileAt(est, id, "", probability, nullptr);
+}
+
+ProfileInterval profile(Estimator& est, const VariableHandle& id, const std::string& path,
+                        const Clustered& clustered, double probability) {
+  return profileAt(est, id, path, probability, &clustered);
+}
+
+IntervalTable intervals(Estimator& est, double probability) {
+  return intervalsOf(stateOf(est), probability, nullptr);
+}
+
+IntervalTable intervals(Estimator& est, const Clustered& clustered, double probability) {
+  return intervalsOf(stateOf(est), probability, &clustered);
 }
 
 }  // namespace slom

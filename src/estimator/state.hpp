@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include <Eigen/Core>
+
 #include "analyze/clustered/group_refits.hpp"
 #include "analyze/free_network.hpp"
 #include "analyze/given_derivatives.hpp"
@@ -78,12 +80,18 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
         problem.valueRevision() == unconverged_values && problem.structureRevision() == unconverged_structure;
     return is_there ? unconverged : "";
   }
+  /// Returns the RSS at the current values.
+  double rss() {
+    return run([&] { return linearizer.rss(problem); });
+  }
   /// Returns the redundancy for the variance factor: residuals minus the unknowns that they determine.
   int redundancy();
   /// Returns a sentence about the standard deviations in tests of residuals; empty if the stated ones are used.
   std::string noiseOfTests(double variance_factor) const;
   /// Returns the variance factor of covariances: 1, or estimated from the residuals. Throws [slom.no-redundancy].
   double varianceFactor();
+  /// Returns the covariance of two variables, as Estimator::covariance.
+  Eigen::MatrixXd covariance(int variable_a, int variable_b);
   /// Returns whether the current values count as a minimum, for statements that hold only there.
   bool isAtMinimum(double variance_factor);
   /// Returns the movement of the values in fits without each group of the first way. Restores the values.

@@ -69,7 +69,7 @@ std::string noProgressMessage(const Evaluator::Promise& promise) {
          (promise.is_known
               ? ", although the linear model predicts a decrease by " + number(promise.decrease, 3)
               : "") +
-         ": derivatives may be wrong (checkDerivatives() compares them with differences), residuals may jump, or values and residuals "
+         ": derivatives may be wrong (slom::checkDerivatives(est) compares them with differences), residuals may jump, or values and residuals "
          "may be so large that rounding hides small changes";
 }
 }  // namespace

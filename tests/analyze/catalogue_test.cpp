@@ -22,7 +22,7 @@ using Texts = std::vector<std::string>;
 
 Texts faults(const slom::Estimator& est) {
   Texts result;
-  for (const slom::Finding& finding : est.diagnose().findings) {
+  for (const slom::Finding& finding : slom::diagnose(est).findings) {
     if (finding.is_fault) result.push_back(finding.text);
   }
   return result;
@@ -106,7 +106,7 @@ TEST(BrokenProblem, AllImagesParallelToTheBoard) {
 TEST(BrokenProblem, ABoardSeenOnce) {
   Board board;
   board.see(SE3(SO3<>::exp(vec3(0.4, -0.3, 0.2)), vec3(0.05, 0.02, 1.2)));
-  EXPECT_EQ(board.est.diagnose().rank, 8);  // a homography
+  EXPECT_EQ(slom::diagnose(board.est).rank, 8);  // a homography
   EXPECT_EQ(
       faults(board.est),
       (Texts{
@@ -147,7 +147,7 @@ TEST(BrokenProblem, SwappedImages) {
   }
   est.changeAlgorithm(slom::LevenbergMarquardt());
   EXPECT_TRUE(est.optimize().converged);
-  const slom::OutlierReport report = est.outliers();
+  const slom::OutlierReport report = slom::outliers(est);
   for (const slom::GroupCheck& group : report.groups) {
     EXPECT_EQ(group.suspects > 0, group.name == "right 5")
         << group.name << " has " << group.suspects << " suspects";

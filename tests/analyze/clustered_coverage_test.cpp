@@ -70,7 +70,7 @@ Coverage simulate(const Design& design) {
       }
     }
     est.optimize({.most_parameters = 0});
-    const slom::Clustered c = est.clustered({.ordered = design.ordered});
+    const slom::Clustered c = slom::clustered(est, {.ordered = design.ordered});
     const Eigen::Vector3d error = *line - truth, half = c.interval(line, 0.95),
                           stated = 1.959964 * est.standardDeviation(line);
     for (int k = 0; k < 3; ++k) {
@@ -175,7 +175,7 @@ TEST(ClusteredCoverage, HoldsWhereGroupsDifferInSize) {
         }
       }
       est.optimize({.most_parameters = 0});
-      const slom::Clustered c = est.clustered();
+      const slom::Clustered c = slom::clustered(est);
       const double error = (*line)[1] - 2;
       holds += std::abs(error) <= c.interval(line, 0.95)[1] ? 1 : 0;
       squared_error += error * error;
@@ -221,11 +221,12 @@ TEST(ClusteredCoverage, OfTheDefaultHoldsOverNumbersAndSizesOfGroups) {
           est.setThreads(1);
           const auto p = clusters::simulate(est, design, random);
           est.optimize({.most_parameters = 0});
-          tally.add(design, est.clustered(clusters::optionsOf(design, slom::ClusterCorrection::by_leverage)),
+          tally.add(design,
+                    slom::clustered(est, clusters::optionsOf(design, slom::ClusterCorrection::by_leverage)),
                     p);
           if (ways == 1 && sizes == Sizes::one_large && groups >= 20)
-            uncorrected.add(design, est.clustered(clusters::optionsOf(design, slom::ClusterCorrection::cr2)),
-                            p);
+            uncorrected.add(
+                design, slom::clustered(est, clusters::optionsOf(design, slom::ClusterCorrection::cr2)), p);
         }
         const std::size_t worst = tally.worst();
         const auto where = ::testing::Message() << ways << " ways, sizes " << static_cast<int>(sizes) << ", "

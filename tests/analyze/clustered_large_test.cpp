@@ -107,7 +107,7 @@ Dense denseClustered(const Network& network, int point) {
 
 TEST(ClusteredLarge, LeveragesFromSelectedInversion) {
   Network network(60, 250, 1);
-  const slom::Clustered c = network.est.clustered();
+  const slom::Clustered c = slom::clustered(network.est);
   for (const int point : {0, 17, 59}) {
     const auto& id = network.points[static_cast<std::size_t>(point)];
     const Dense dense = denseClustered(network, point);
@@ -119,7 +119,7 @@ TEST(ClusteredLarge, LeveragesFromSelectedInversion) {
 
 TEST(ClusteredLarge, LeveragesFromColumnsOfTheInverse) {
   Network network(60, 300, 3);
-  const slom::Clustered c = network.est.clustered();
+  const slom::Clustered c = slom::clustered(network.est);
   const auto& id = network.points[7];
   const Dense dense = denseClustered(network, 7);
   EXPECT_LT((c.covariance(id) - dense.C).norm(), 1e-9 * dense.C.norm());
@@ -128,7 +128,7 @@ TEST(ClusteredLarge, LeveragesFromColumnsOfTheInverse) {
 
 TEST(ClusteredLarge, DegreesOfFreedomFromRandomSigns) {
   Network network(170, 700, 1);  // 340 unknowns, 700 groups
-  const slom::Clustered c = network.est.clustered();
+  const slom::Clustered c = slom::clustered(network.est);
   SLOM_SKIP_WITH_SANITIZERS();  // the dense matrices below
   for (const int point : {3, 100}) {
     const Dense dense = denseClustered(network, point);
@@ -139,9 +139,10 @@ TEST(ClusteredLarge, DegreesOfFreedomFromRandomSigns) {
 
 TEST(ClusteredLarge, WithoutLeverages) {
   Network network(60, 300, 3);
-  const slom::Clustered few = network.est.clustered({.most_columns = 1});
-  const slom::Clustered c = network.est.clustered({.correction = ClusterCorrection::cr1, .most_columns = 1});
-  const slom::Clustered all = network.est.clustered({.correction = ClusterCorrection::cr1});
+  const slom::Clustered few = slom::clustered(network.est, {.most_columns = 1});
+  const slom::Clustered c =
+      slom::clustered(network.est, {.correction = ClusterCorrection::cr1, .most_columns = 1});
+  const slom::Clustered all = slom::clustered(network.est, {.correction = ClusterCorrection::cr1});
   const auto& id = network.points[7];
   EXPECT_LT((few.covariance(id) - all.covariance(id)).norm(), 1e-9 * all.covariance(id).norm());
   EXPECT_LT((c.covariance(id) - all.covariance(id)).norm(), 1e-9 * all.covariance(id).norm());
@@ -177,7 +178,7 @@ TEST(ClusteredLarge, WithLosses) {
       slopes += value.first + 2 * value.second * r * r;
     }
     const double dense = squares / (slopes * slopes);
-    const slom::Clustered c = est.clustered({.correction = ClusterCorrection::cr0});
+    const slom::Clustered c = slom::clustered(est, {.correction = ClusterCorrection::cr0});
     EXPECT_NEAR(c.covariance(level)(0, 0), dense, 1e-6 * dense);
   }
 }
@@ -216,7 +217,7 @@ int columnsFor(int groups) {
   }
   EXPECT_TRUE(est.optimize({.most_parameters = 0}).converged);
   const int before = columns;
-  const slom::Clustered c = est.clustered();
+  const slom::Clustered c = slom::clustered(est);
   EXPECT_GT(c.standardDeviation(line)[0], 0);
   EXPECT_GT(c.degreesOfFreedom(line)[0], groups / 4);
   EXPECT_EQ(c.influence(line).rows(), groups);
@@ -261,7 +262,7 @@ TEST(ClusteredLarge, PoseGraphWhoseLapsShareErrors) {
       }
     }
     ASSERT_TRUE(est.optimize({.most_parameters = 0}).converged);
-    const slom::Clustered c = est.clustered();
+    const slom::Clustered c = slom::clustered(est);
     Eigen::Vector3d error;
     mtk::boxminus(mtk::vectview<double, 3>(error.data()), *poses[3], truth[3]);
     const Eigen::Vector3d half = c.interval(poses[3]);

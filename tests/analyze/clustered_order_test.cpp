@@ -73,7 +73,7 @@ TEST(ClusteredInOrder, OfFewGroupsIsAutoregressive) {
     for (const double rho : {0.0, 0.6, 0.9}) {
       const VectorXd y = autoregressive(n, rho, unsigned(n));
       const LevelInOrder fit(y);
-      const slom::Clustered c = fit.est.clustered({.ordered = true});
+      const slom::Clustered c = slom::clustered(fit.est, {.ordered = true});
       const auto [variance, dof] = denseVariance(y);
       EXPECT_NEAR(c.covariance(fit.level)(0, 0), variance, 2e-3 * variance) << n << " " << rho;
       EXPECT_NEAR(c.degreesOfFreedom(fit.level)[0], dof, 2e-3 * dof) << n << " " << rho;
@@ -84,7 +84,7 @@ TEST(ClusteredInOrder, OfFewGroupsIsAutoregressive) {
 
 TEST(ClusteredInOrder, SaysWhatGroupsAreWorth) {
   const LevelInOrder alike(autoregressive(24, 0.9, 3)), independent(autoregressive(60, 0, 4));
-  const std::vector<std::string> notes = alike.est.clustered({.ordered = true}).notes(alike.level);
+  const std::vector<std::string> notes = slom::clustered(alike.est, {.ordered = true}).notes(alike.level);
   ASSERT_EQ(notes.size(), 2U);
   EXPECT_EQ(
       notes[0],
@@ -95,17 +95,17 @@ TEST(ClusteredInOrder, SaysWhatGroupsAreWorth) {
       notes[1],
       "successive groups are so alike that together they count as fewer than 10 independent groups, and "
       "intervals hold less often than stated: level (correlation 0.71)");
-  EXPECT_TRUE(independent.est.clustered({.ordered = true}).notes(independent.level).empty());
+  EXPECT_TRUE(slom::clustered(independent.est, {.ordered = true}).notes(independent.level).empty());
 }
 
 /// All contributions are 0, or of opposite signs in turn.
 TEST(ClusteredInOrder, OfSeriesWithoutCorrelation) {
   const LevelInOrder none(VectorXd::Constant(12, 1.0));
-  EXPECT_NEAR(none.est.clustered({.ordered = true}).standardDeviation(none.level)[0], 0, 1e-12);
+  EXPECT_NEAR(slom::clustered(none.est, {.ordered = true}).standardDeviation(none.level)[0], 0, 1e-12);
   VectorXd turns(12);
   for (Index g = 0; g < 12; ++g) turns[g] = g % 2 == 0 ? 1 : -1;
   const LevelInOrder opposite(turns);
-  const slom::Clustered c = opposite.est.clustered({.ordered = true});
+  const slom::Clustered c = slom::clustered(opposite.est, {.ordered = true});
   EXPECT_NEAR(c.covariance(opposite.level)(0, 0), 1.0 / 11, 1e-9);  // as of independent ones
 }
 

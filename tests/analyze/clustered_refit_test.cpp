@@ -64,8 +64,8 @@ TEST(ClusteredRefit, IsTheFitOfAProblemWithoutTheGroup) {
   for (const bool has_losses : {false, true}) {
     Ranging all;
     range(all, -1, has_losses);
-    const slom::Clustered step = all.est.clustered({.by = {"day"}}),
-                          fits = all.est.clustered({.by = {"day"}, .refit = true});
+    const slom::Clustered step = slom::clustered(all.est, {.by = {"day"}}),
+                          fits = slom::clustered(all.est, {.by = {"day"}, .refit = true});
     const MatrixXd place = fits.change(all.place), offset = fits.change(all.offsets[3]);
     double largest = 0;
     for (int day = 0; day < 6; ++day) {
@@ -80,7 +80,7 @@ TEST(ClusteredRefit, IsTheFitOfAProblemWithoutTheGroup) {
       }
     }
     EXPECT_TRUE(messageOf([&] { step.change(all.place); }).starts_with("[slom.stale-clustered]"));
-    const MatrixXd one_step = all.est.clustered({.by = {"day"}}).change(all.place);
+    const MatrixXd one_step = slom::clustered(all.est, {.by = {"day"}}).change(all.place);
     largest = (one_step - place).cwiseAbs().maxCoeff();
     EXPECT_GT(largest, 1e-3);  // so that the two are told apart
     EXPECT_LT(largest, 0.5);
@@ -98,7 +98,7 @@ TEST(ClusteredRefit, LeavesEverythingAsItWas) {
   const vec2 place = *all.place;
   const double offset = *all.offsets[4], rss = all.est.getRSS();
   const VectorXd residuals = all.est.residuals(), deviations = all.est.standardDeviation(all.place);
-  static_cast<void>(all.est.clustered({.by = {"day"}, .refit = true}));
+  static_cast<void>(slom::clustered(all.est, {.by = {"day"}, .refit = true}));
   EXPECT_EQ(*all.place, place);
   EXPECT_EQ(*all.offsets[4], offset);
   EXPECT_EQ(all.est.getRSS(), rss);
@@ -113,14 +113,14 @@ TEST(ClusteredRefit, JackknifeCovariance) {
   Ranging all;
   range(all);
   const slom::Clustered c =
-      all.est.clustered({.by = {"day"}, .correction = slom::ClusterCorrection::cr3, .refit = true});
+      slom::clustered(all.est, {.by = {"day"}, .correction = slom::ClusterCorrection::cr3, .refit = true});
   const MatrixXd change = c.change(all.place);
   EXPECT_LT((c.covariance(all.place) - 5.0 / 6 * change.transpose() * change).norm(), 1e-12);
   EXPECT_NEAR(c.influence(all.place)(2, 1), change(2, 1) / c.standardDeviation(all.place)[1], 1e-12);
   // Other corrections are those of the linear problem.
-  const slom::Clustered cr2 = all.est.clustered({.by = {"day"}, .refit = true});
+  const slom::Clustered cr2 = slom::clustered(all.est, {.by = {"day"}, .refit = true});
   const MatrixXd C = cr2.covariance(all.place);
-  EXPECT_LT((C - all.est.clustered({.by = {"day"}}).covariance(all.place)).norm(), 1e-9);
+  EXPECT_LT((C - slom::clustered(all.est, {.by = {"day"}}).covariance(all.place)).norm(), 1e-9);
 }
 
 TEST(ClusteredRefit, WithoutAGroupThatTheFitNeeds) {
@@ -131,7 +131,7 @@ TEST(ClusteredRefit, WithoutAGroupThatTheFitNeeds) {
     est.insertMeasurement(at, line, i < 2 ? 1.0 * i : 0.0, slom::measured(0.5 * i * i),
                           slom::group("day", i / 2));
   ASSERT_TRUE(est.optimize().converged);
-  const slom::Clustered c = est.clustered({.by = {"day"}, .refit = true});
+  const slom::Clustered c = slom::clustered(est, {.by = {"day"}, .refit = true});
   const MatrixXd change = c.change(line);
   EXPECT_TRUE(std::isnan(change(0, 0)));
   EXPECT_TRUE(std::isnan(change(0, 1)));
@@ -151,7 +151,7 @@ TEST(ClusteredRefit, Errors) {
   ASSERT_TRUE(est.optimize().converged);
   est.setFreeGauge(slom::FreeGauge::inner_constraints);
   EXPECT_EQ(
-      messageOf([&] { est.clustered({.refit = true}); }),
+      messageOf([&] { slom::clustered(est, {.refit = true}); }),
       "[slom.bad-option] ClusterOptions::refit compares the values of fits, which differ by a motion of "
       "everything while the gauge is free; fix the gauge, or drop refit");
 }

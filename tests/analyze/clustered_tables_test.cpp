@@ -42,16 +42,16 @@ struct GroupedLine {
 
 TEST(ClusterOutliers, NameTheGroupThatPullsMoreThanOthers) {
   GroupedLine good(1, 0, 0, 40), bad(1, 0, 6, 40), shared(1, 2, 0, 40), shared_bad(1, 2, 40, 40);
-  EXPECT_EQ(good.est.clustered().outliers().suspects(), 0);
-  const slom::ClusterOutliers found = bad.est.clustered().outliers();
+  EXPECT_EQ(slom::clustered(good.est).outliers().suspects(), 0);
+  const slom::ClusterOutliers found = slom::clustered(bad.est).outliers();
   EXPECT_EQ(found.suspects(), 1);
   EXPECT_EQ(found.groups[0].check.group, "day 4");
   // Where all share errors, each alone is improbable as stated; among the others none is.
-  const slom::ClusterOutliers all = shared.est.clustered().outliers();
+  const slom::ClusterOutliers all = slom::clustered(shared.est).outliers();
   EXPECT_EQ(all.suspects(), 0);
   EXPECT_GT(all.scale, 2);
   EXPECT_LT(all.groups[0].check.probability, 1e-3);
-  const slom::ClusterOutliers one = shared_bad.est.clustered().outliers();
+  const slom::ClusterOutliers one = slom::clustered(shared_bad.est).outliers();
   EXPECT_EQ(one.suspects(), 1);
   EXPECT_EQ(one.groups[0].check.group, "day 4");
   EXPECT_TRUE(one.is_relative);
@@ -64,8 +64,8 @@ TEST(ClusterOutliers, FalseAlarms) {
   int independent = 0, shared = 0;
   for (unsigned seed = 0; seed < 400; ++seed) {
     GroupedLine a(1000 + seed, 0, 0, 30), b(5000 + seed, 2, 0, 30);
-    independent += a.est.clustered().outliers(0.05).suspects() > 0 ? 1 : 0;
-    shared += b.est.clustered().outliers(0.05).suspects() > 0 ? 1 : 0;
+    independent += slom::clustered(a.est).outliers(0.05).suspects() > 0 ? 1 : 0;
+    shared += slom::clustered(b.est).outliers(0.05).suspects() > 0 ? 1 : 0;
   }
   EXPECT_LE(independent, 32);  // 20 expected
   EXPECT_GE(independent, 2);
@@ -75,7 +75,7 @@ TEST(ClusterOutliers, FalseAlarms) {
 TEST(ClusterOutliers, Text) {
   GroupedLine bad(1, 0, 6, 3);
   std::ostringstream text;
-  text << bad.est.clustered().outliers();
+  text << slom::clustered(bad.est).outliers();
   EXPECT_EQ(text.str(),
             "3 groups, 0 suspects; half of them pull at the values at least 0.933 times as much as stated "
             "uncertainties predict\n"
@@ -84,7 +84,7 @@ TEST(ClusterOutliers, Text) {
             "  day 1                               5      1.207     2        0.55           0.55\n"
             "  day 0                               5     0.4255     2        0.81           0.81\n");
   EXPECT_EQ(
-      messageOf([&] { bad.est.clustered().outliers(0); }),
+      messageOf([&] { slom::clustered(bad.est).outliers(0); }),
       "[slom.bad-option] the significance of tests of groups is 0; pass a probability between 0 and 1, such as 0.01");
 }
 
@@ -92,7 +92,7 @@ TEST(ClusteredColumn, OfASummary) {
   GroupedLine fit(2, 1);
   const slom::Summary before = fit.est.optimize();
   slom::Summary after = before;
-  const slom::Clustered c = fit.est.clustered();
+  const slom::Clustered c = slom::clustered(fit.est);
   c.addTo(after);
   EXPECT_EQ(after.parameters[1].clustered, c.standardDeviation(fit.line)[1]);
   EXPECT_EQ(after.parameters[1].clustered_dof, c.degreesOfFreedom(fit.line)[1]);
@@ -103,7 +103,7 @@ TEST(ClusteredColumn, OfASummary) {
             "  line.y         1.8376914                0.121        0.129     7.53\n");
   EXPECT_EQ(before.report().find("clustered"), std::string::npos);
   slom::Summary none = fit.est.optimize({.most_parameters = 1});
-  EXPECT_EQ(messageOf([&] { fit.est.clustered().addTo(none); }),
+  EXPECT_EQ(messageOf([&] { slom::clustered(fit.est).addTo(none); }),
             "[slom.no-parameters] the summary has no table of the parameters of these covariances; take the "
             "summary of "
             "the last fit, with Options::most_parameters not below the number of unknowns");
@@ -113,11 +113,11 @@ TEST(ClusteredProfile, IsTheIntervalWhereTheRssIsQuadratic) {
   for (const slom::Sigma sigma : {slom::Sigma::known, slom::Sigma::estimated}) {
     GroupedLine fit(3, 2);
     fit.est.setSigma(sigma);
-    const VectorXd half = fit.est.clustered().interval(fit.line, 0.9);
-    const slom::ProfileInterval x = fit.est.profile(fit.line, "x", fit.est.clustered(), 0.9);
+    const VectorXd half = slom::clustered(fit.est).interval(fit.line, 0.9);
+    const slom::ProfileInterval x = slom::profile(fit.est, fit.line, "x", slom::clustered(fit.est), 0.9);
     EXPECT_NEAR(x.upper - x.value, half[0], 1e-5 * half[0]);
     EXPECT_NEAR(x.value - x.lower, half[0], 1e-5 * half[0]);
-    EXPECT_GT(half[0], 1.5 * (fit.est.profile(fit.line, "x", 0.9).upper - x.value));
+    EXPECT_GT(half[0], 1.5 * (slom::profile(fit.est, fit.line, "x", 0.9).upper - x.value));
   }
 }
 
@@ -139,34 +139,33 @@ TEST(ClusteredProfile, KeepsTheShapeOfTheRss) {
           rate, slom::measured(0.5 + common + normal(engine)), slom::StandardDeviation(0.2), slom::group(g));
   }
   ASSERT_TRUE(est.optimize().converged);
-  const double half = est.clustered().interval(rate)[0] / *rate;  // of the logarithm
-  const slom::ProfileInterval interval = est.profile(rate, "", est.clustered());
+  const double half = slom::clustered(est).interval(rate)[0] / *rate;  // of the logarithm
+  const slom::ProfileInterval interval = slom::profile(est, rate, "", slom::clustered(est));
   EXPECT_NEAR(std::log(interval.upper / *rate), half, 1e-4 * half);
   EXPECT_NEAR(std::log(*rate / interval.lower), half, 1e-4 * half);
 }
 
 TEST(ClusteredProfile, Errors) {
   GroupedLine fit(3, 2), other(4, 2);
-  const slom::Clustered c = fit.est.clustered();
+  const slom::Clustered c = slom::clustered(fit.est);
+  EXPECT_EQ(messageOf([&] { slom::profile(other.est, other.line, "x", c); }),
+            "[slom.stale-clustered] the clustered covariances belong to another estimator; pass "
+            "slom::clustered(est) of this one");
   EXPECT_EQ(
-      messageOf([&] { other.est.profile(other.line, "x", c); }),
-      "[slom.stale-clustered] the clustered covariances belong to another estimator; pass the result of "
-      "clustered() of this one");
-  EXPECT_EQ(
-      messageOf([&] { fit.est.profile(fit.line, "x", c, 1.5); }),
+      messageOf([&] { slom::profile(fit.est, fit.line, "x", c, 1.5); }),
       "[slom.bad-option] the probability of a profile interval is 1.5; pass one between 0 and 1, such as 0.95");
   const double x = (*fit.line)[0];
-  fit.est.profile(fit.line, "x", c);
+  slom::profile(fit.est, fit.line, "x", c);
   EXPECT_EQ((*fit.line)[0], x);
   EXPECT_EQ(
-      messageOf([&] { fit.est.profile(fit.line, "x", c); }),
+      messageOf([&] { slom::profile(fit.est, fit.line, "x", c); }),
       "[slom.stale-clustered] the clustered covariances belong to a fit that has changed or is gone; call "
-      "clustered() again");
+      "slom::clustered(est) again");
   fit.est.reinitRV(fit.line, vec2(x - 0.6, 0));
   fit.est.bound(fit.line, "x", x - 1, x - 0.5);
   ASSERT_TRUE(fit.est.optimize().converged);
   EXPECT_EQ(
-      messageOf([&] { fit.est.profile(fit.line, "x", fit.est.clustered()); }),
+      messageOf([&] { slom::profile(fit.est, fit.line, "x", slom::clustered(fit.est)); }),
       "[slom.no-clustered-deviation] line.x has no clustered standard deviation, because it is at its bound "
       "or all residuals are 0; take the profile without clustered covariances");
 }

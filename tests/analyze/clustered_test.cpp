@@ -200,7 +200,7 @@ TEST(Clustered, IsTheTextbookFormula) {
     Regression fit;
     fill(fit, {.without_group = without_group});
     for (const ClusterCorrection correction : kCorrections) {
-      const slom::Clustered c = fit.est.clustered({.by = {"set"}, .correction = correction});
+      const slom::Clustered c = slom::clustered(fit.est, {.by = {"set"}, .correction = correction});
       const DenseClustered dense = denseClustered(fit, fit.group, correction);
       EXPECT_LT(relative(c.covariance(fit.line), dense.C), 1e-9) << static_cast<int>(correction);
       EXPECT_LT(relative(c.degreesOfFreedom(fit.line), dense.dof), 1e-9) << static_cast<int>(correction);
@@ -215,7 +215,7 @@ TEST(Clustered, OfAVariableThatOneGroupAloneSees) {
   Regression fit;
   fill(fit, {.has_levels = true});
   for (const ClusterCorrection correction : kCorrections) {
-    const slom::Clustered c = fit.est.clustered({.by = {"set"}, .correction = correction});
+    const slom::Clustered c = slom::clustered(fit.est, {.by = {"set"}, .correction = correction});
     const DenseClustered dense = denseClustered(fit, fit.group, correction);
     EXPECT_LT(relative(c.covariance(fit.line), dense.C.topLeftCorner(2, 2)), 1e-9);
     EXPECT_LT(relative(c.degreesOfFreedom(fit.line), dense.dof.head(2)), 1e-9);
@@ -238,7 +238,7 @@ TEST(Clustered, ByTwoWays) {
   std::vector<int> both(fit.group.size());
   for (std::size_t i = 0; i < both.size(); ++i)
     both[i] = fit.group[i] < 0 ? -1 : 10 * fit.group[i] + fit.other[i];
-  const slom::Clustered c = fit.est.clustered({.by = {"set", "place"}});
+  const slom::Clustered c = slom::clustered(fit.est, {.by = {"set", "place"}});
   const MatrixXd by_set = denseClustered(fit, fit.group, ClusterCorrection::cr2).C,
                  by_place = denseClustered(fit, fit.other, ClusterCorrection::cr2).C;
   MatrixXd dense = by_set + by_place - denseClustered(fit, both, ClusterCorrection::cr2).C;
@@ -246,8 +246,8 @@ TEST(Clustered, ByTwoWays) {
   dense.diagonal() = dense.diagonal().cwiseMax(by_set.diagonal()).cwiseMax(by_place.diagonal()).eval();
   EXPECT_LT(relative(c.covariance(fit.line), dense), 1e-9);
   EXPECT_EQ(c.degreesOfFreedom(fit.line)[0],
-            std::min(fit.est.clustered({.by = {"set"}}).degreesOfFreedom(fit.line)[0],
-                     fit.est.clustered({.by = {"place"}}).degreesOfFreedom(fit.line)[0]));
+            std::min(slom::clustered(fit.est, {.by = {"set"}}).degreesOfFreedom(fit.line)[0],
+                     slom::clustered(fit.est, {.by = {"place"}}).degreesOfFreedom(fit.line)[0]));
 }
 
 /// Errors that are opposite in the groups of one way and of the other: inclusion and exclusion lead below zero.
@@ -261,7 +261,7 @@ TEST(Clustered, ByTwoWaysThatContradictEachOther) {
                             slom::group("b", b));
   }
   est.optimize();
-  const slom::Clustered c = est.clustered({.by = {"a", "b"}});
+  const slom::Clustered c = slom::clustered(est, {.by = {"a", "b"}});
   const double s = c.standardDeviation(level)[0];
   EXPECT_GE(s, 0);
   EXPECT_FALSE(std::isnan(s));
@@ -288,8 +288,8 @@ TEST(Clustered, ByTwoWaysIsNoLessThanByOne) {
                               slom::group("day", day), slom::group("station", station));
     }
     est.optimize();
-    const slom::Clustered both = est.clustered({.by = {"day", "station"}});
-    const double by_day = est.clustered({.by = {"day"}}).standardDeviation(level)[0];
+    const slom::Clustered both = slom::clustered(est, {.by = {"day", "station"}});
+    const double by_day = slom::clustered(est, {.by = {"day"}}).standardDeviation(level)[0];
     EXPECT_GE(both.standardDeviation(level)[0], by_day * (1 - 1e-8));
     const std::string note =
         "one grouping alone gave a larger variance than all groupings together, and is taken: level";
@@ -305,7 +305,7 @@ TEST(Clustered, ChangesAreThoseOfFitsWithoutAGroup) {
   for (const bool has_levels : {false, true}) {
     Regression fit;
     fill(fit, {.has_levels = has_levels});
-    const slom::Clustered c = fit.est.clustered({.by = {"set"}, .correction = ClusterCorrection::cr3});
+    const slom::Clustered c = slom::clustered(fit.est, {.by = {"set"}, .correction = ClusterCorrection::cr3});
     const MatrixXd change = c.change(fit.line);
     MatrixXd sum = MatrixXd::Zero(2, 2);
     ASSERT_EQ(change.rows(), 7);
@@ -327,7 +327,7 @@ TEST(Clustered, ChangesAreThoseOfFitsWithoutAGroup) {
 TEST(Clustered, ChangesOfWhatOneGroupAloneSees) {
   Regression fit;
   fill(fit, {.has_levels = true});
-  const slom::Clustered c = fit.est.clustered({.by = {"set"}});
+  const slom::Clustered c = slom::clustered(fit.est, {.by = {"set"}});
   EXPECT_EQ(c.groups()[0], "set 94");
   EXPECT_EQ(c.groups()[6], "set 100");
   const MatrixXd change = c.change(fit.levels[4]);
@@ -338,8 +338,8 @@ TEST(Clustered, DoesNotDependOnTheStatedSigma) {
   Regression a, b;
   fill(a, {});
   fill(b, {.sigma = 0.05});
-  EXPECT_LT(relative(a.est.clustered({.by = {"set"}}).covariance(a.line),
-                     b.est.clustered({.by = {"set"}}).covariance(b.line)),
+  EXPECT_LT(relative(slom::clustered(a.est, {.by = {"set"}}).covariance(a.line),
+                     slom::clustered(b.est, {.by = {"set"}}).covariance(b.line)),
             1e-9);
   // Where variances are estimated, what is taken as stated is, too.
   Regression c, d;
@@ -347,15 +347,15 @@ TEST(Clustered, DoesNotDependOnTheStatedSigma) {
   fill(d, {.has_levels = true, .without_group = 2, .sigma = 0.05});
   c.est.setSigma(slom::Sigma::estimated);
   d.est.setSigma(slom::Sigma::estimated);
-  EXPECT_LT(relative(c.est.clustered({.by = {"set"}}).jointCovariance(c.line, c.levels[3]),
-                     d.est.clustered({.by = {"set"}}).jointCovariance(d.line, d.levels[3])),
+  EXPECT_LT(relative(slom::clustered(c.est, {.by = {"set"}}).jointCovariance(c.line, c.levels[3]),
+                     slom::clustered(d.est, {.by = {"set"}}).jointCovariance(d.line, d.levels[3])),
             1e-9);
 }
 
 TEST(Clustered, TestsGroups) {
   Regression fit;
   fill(fit, {});
-  const std::vector<slom::ClusterCheck> checks = fit.est.clustered({.by = {"set"}}).check();
+  const std::vector<slom::ClusterCheck> checks = slom::clustered(fit.est, {.by = {"set"}}).check();
   const MatrixXd H = fit.J * fit.C() * fit.J.transpose();
   const auto groups = rowsOf(fit.group);
   for (std::size_t g = 0; g < 7; ++g) {
@@ -377,7 +377,7 @@ TEST(Clustered, OfWhatIsFixedOrAtABound) {
   fill(fit, {});
   fit.est.fix(fit.line, "x");
   ASSERT_TRUE(fit.est.optimize().converged);
-  const slom::Clustered c = fit.est.clustered({.by = {"set"}});
+  const slom::Clustered c = slom::clustered(fit.est, {.by = {"set"}});
   const MatrixXd C = c.covariance(fit.line);
   EXPECT_EQ(C(0, 0), 0);
   EXPECT_EQ(C(0, 1), 0);
@@ -394,7 +394,7 @@ TEST(Clustered, OfWhatIsFixedOrAtABound) {
   bounded.est.reinitRV(bounded.line, vec2(best - 1, 0));
   bounded.est.bound(bounded.line, "x", best - 2, best - 0.1);
   ASSERT_TRUE(bounded.est.optimize().converged);
-  EXPECT_EQ(bounded.est.clustered({.by = {"set"}}).covariance(bounded.line)(0, 0), 0);
+  EXPECT_EQ(slom::clustered(bounded.est, {.by = {"set"}}).covariance(bounded.line)(0, 0), 0);
 }
 
 /// Points measured by their differences, so that all of them can move together.
@@ -418,9 +418,10 @@ TEST(Clustered, OfAFreeNetwork) {
   free.changeAlgorithm(slom::LevenbergMarquardt());
   EXPECT_EQ(free.optimize().free_directions, 2);
   ASSERT_TRUE(fixed.optimize().converged);
-  EXPECT_EQ(messageOf([&] { free.clustered().covariance(points[0]); }).substr(0, 17), "[slom.free-gauge]");
+  EXPECT_EQ(messageOf([&] { slom::clustered(free).covariance(points[0]); }).substr(0, 17),
+            "[slom.free-gauge]");
   free.setFreeGauge(slom::FreeGauge::inner_constraints);
-  const slom::Clustered a = free.clustered(), b = fixed.clustered();
+  const slom::Clustered a = slom::clustered(free), b = slom::clustered(fixed);
   // The covariance of a difference of points does not depend on the datum.
   for (std::size_t i = 2; i < 6; ++i) {
     const MatrixXd A = a.jointCovariance(points[i], points[1]), B = b.jointCovariance(others[i], others[1]);
@@ -441,7 +442,7 @@ TEST(Clustered, WithoutResiduals) {
   for (int i = 0; i < 20; ++i)
     est.insertMeasurement([](const auto& x) { return x; }, level, slom::measured(1.0), slom::group(i / 2));
   est.optimize();
-  const slom::Clustered c = est.clustered();
+  const slom::Clustered c = slom::clustered(est);
   EXPECT_NEAR(c.standardDeviation(level)[0], 0, 1e-12);
   EXPECT_NEAR(c.degreesOfFreedom(level)[0], 9, 1e-9);  // G - 1 for equal groups
   EXPECT_EQ(c.check()[3].probability, 1);
@@ -462,7 +463,7 @@ TEST(Clustered, MeanOfEqualGroups) {
   double square = 0;
   for (const double mean : means) square += (mean - *level) * (mean - *level);
   // The variance of the mean of ten independent numbers, and Student's interval.
-  const slom::Clustered c = est.clustered();
+  const slom::Clustered c = slom::clustered(est);
   EXPECT_NEAR(c.covariance(level)(0, 0), square / 9 / 10, 1e-12);
   EXPECT_NEAR(c.interval(level, 0.95)[0], 2.2621571627409915 * std::sqrt(square / 90), 1e-9);
   EXPECT_NEAR(c.correlation(level, level)(0, 0), 1, 1e-12);
@@ -471,10 +472,10 @@ TEST(Clustered, MeanOfEqualGroups) {
 TEST(Clustered, FormsGroupsWithoutKeys) {
   Regression fit;
   fill(fit, {.has_levels = true});
-  const MatrixXd C = fit.est.clustered({.by = {"set"}}).covariance(fit.line);
+  const MatrixXd C = slom::clustered(fit.est, {.by = {"set"}}).covariance(fit.line);
   const std::vector<slom::VarID<double>>& levels = fit.levels;
   const auto of = [&](const slom::ClusterBy& by) {
-    return fit.est.clustered({.by = {by}}).covariance(fit.line);
+    return slom::clustered(fit.est, {.by = {by}}).covariance(fit.line);
   };
   // Priors of levels are in their groups, too.
   const MatrixXd with_priors = of(slom::ClusterBy::variables("level", levels));
@@ -492,7 +493,7 @@ TEST(Clustered, FormsGroupsWithoutKeys) {
                      C),
             1e-9);
   EXPECT_LT(relative(of(slom::ClusterBy::blocks("set", 1)), C), 1e-9);
-  const slom::Clustered pairs = fit.est.clustered({.by = {slom::ClusterBy::blocks("set", 2)}});
+  const slom::Clustered pairs = slom::clustered(fit.est, {.by = {slom::ClusterBy::blocks("set", 2)}});
   EXPECT_EQ(pairs.groups().size(), 4U);  // 94 95, 96 97, 98 99, 100
   EXPECT_EQ(pairs.groups()[0], "set / 2 47");
 }
@@ -504,7 +505,7 @@ TEST(Clustered, ByLabel) {
   for (const double z : {1.0, 2.0}) est.insertMeasurement(is, level, slom::measured(z), slom::named("tape"));
   for (const double z : {4.0, 3.0}) est.insertMeasurement(is, level, slom::measured(z), slom::named("laser"));
   est.optimize();
-  const slom::Clustered c = est.clustered({.by = {slom::ClusterBy::label()}});
+  const slom::Clustered c = slom::clustered(est, {.by = {slom::ClusterBy::label()}});
   EXPECT_EQ(c.groups(), (std::vector<std::string>{"tape", "laser"}));
   EXPECT_NEAR(c.covariance(level)(0, 0), 1, 1e-12);  // means 1.5 and 3.5
 }
@@ -536,8 +537,8 @@ TEST(ClusteredInOrder, ChoosesTheLengthOfBlocks) {
     drifting[g] = sum += normal(engine);
   }
   for (double& y : few) y = normal(engine);
-  const auto of = [](const Series& series) { return series.est.clustered({.ordered = true}); };
-  const auto alone = [](const Series& series) { return series.est.clustered(); };
+  const auto of = [](const Series& series) { return slom::clustered(series.est, {.ordered = true}); };
+  const auto alone = [](const Series& series) { return slom::clustered(series.est); };
 
   const Series a(independent);
   EXPECT_LE(of(a).blockLength(a.level), 4);
@@ -574,7 +575,7 @@ TEST(ClusteredInOrder, ChoosesTheLengthOfBlocks) {
 TEST(Clustered, Notes) {
   Regression fit;
   fill(fit, {.has_levels = true});
-  const slom::Clustered c = fit.est.clustered({.by = {"set"}});
+  const slom::Clustered c = slom::clustered(fit.est, {.by = {"set"}});
   const std::vector<std::string> general = {
       "there are only 7 groups by set: the variances are estimated from as few numbers, and are as uncertain "
       "as their degrees of freedom say",
@@ -599,35 +600,35 @@ TEST(Clustered, Faults) {
                         slom::measured(0.0), slom::named("b"));
   est.optimize();
   EXPECT_EQ(
-      messageOf([&] { est.clustered(); }),
+      messageOf([&] { slom::clustered(est); }),
       "[slom.no-groups] no measurement is in a group without a name; pass slom::group(key) to insertMeasurement, or "
       "group by slom::ClusterBy::variables, label or function");
   est.insertMeasurement(is, level, slom::measured(1.5), slom::group("image", 1));
   EXPECT_EQ(
-      messageOf([&] { est.clustered(); }),
+      messageOf([&] { slom::clustered(est); }),
       "[slom.not-a-minimum] clustered covariances need the values of a converged fit; call optimize() and "
       "check summary.converged");
   est.optimize();
   EXPECT_EQ(
-      messageOf([&] { est.clustered(); }),
+      messageOf([&] { slom::clustered(est); }),
       "[slom.too-few-groups] clustered covariances compare groups, and by image there is one group; group measurements "
       "so that there are at least two, better ten");
   EXPECT_EQ(
-      messageOf([&] { est.clustered({.by = {"corner"}}); }),
+      messageOf([&] { slom::clustered(est, {.by = {"corner"}}); }),
       "[slom.no-groups] no measurement is in a group of \"corner\"; there are image, as in {.by = {\"image\"}}");
   EXPECT_EQ(
-      messageOf([&] { est.clustered({.by = {slom::ClusterBy::variablesOf<double>()}}); }),
+      messageOf([&] { slom::clustered(est, {.by = {slom::ClusterBy::variablesOf<double>()}}); }),
       "[slom.bad-group] measurement b #1 depends on level and on difference, but can be grouped by only one "
       "of them; "
       "list the variables in slom::ClusterBy::variables, or pass slom::group to insertMeasurement");
   EXPECT_EQ(messageOf([&] { slom::ClusterBy::blocks("image", 0); }),
             "[slom.bad-option] the length of blocks of \"image\" is 0; pass a positive number of keys");
   EXPECT_EQ(messageOf([&] {
-              est.clustered({.by = {"image", "image", "image", "image", "image"}});
+              slom::clustered(est, {.by = {"image", "image", "image", "image", "image"}});
             }),
             "[slom.bad-option] measurements are to be grouped in 5 ways at once; pass at most 4");
   EXPECT_EQ(
-      messageOf([&] { est.clustered({.most_columns = -3}); }),
+      messageOf([&] { slom::clustered(est, {.most_columns = -3}); }),
       "[slom.bad-option] most_columns is -3; pass the number of columns of H^-1 that may be computed, such as 5000");
   EXPECT_EQ(
       messageOf([&] { est.propagate(is, Eigen::MatrixXd(2, 2), level); }),
@@ -635,14 +636,14 @@ TEST(Clustered, Faults) {
       "together; pass their joint covariance, 1 x 1");
   const auto second = est.insertMeasurement(is, level, slom::measured(1.7), slom::group("image", 2));
   est.optimize();
-  const slom::Clustered c = est.clustered();
+  const slom::Clustered c = slom::clustered(est);
   EXPECT_EQ(
       messageOf([&] { c.interval(level, 1.5); }),
       "[slom.bad-option] the probability of an interval is 1.5; pass a number between 0 and 1, such as 0.95");
   est.removeMeasurement(second);
   const std::string stale =
       "[slom.stale-clustered] the clustered covariances belong to a fit that has changed or is gone; call "
-      "clustered() again";
+      "slom::clustered(est) again";
   EXPECT_EQ(messageOf([&] { c.covariance(level); }), stale);
   EXPECT_EQ(messageOf([&] { c.check(); }), stale);
   EXPECT_EQ(messageOf([&] { c.groups(); }), stale);
@@ -655,7 +656,7 @@ TEST(Clustered, Faults) {
     const auto x = gone.insertRV(0.0);
     for (int i = 0; i < 3; ++i) gone.insertMeasurement(is, x, slom::measured(1.0 * i), slom::group(i));
     gone.optimize();
-    left = gone.clustered();
+    left = slom::clustered(gone);
   }
   EXPECT_EQ(messageOf([&] { left->covariance(level); }), stale);
 }

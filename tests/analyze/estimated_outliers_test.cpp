@@ -39,7 +39,7 @@ TEST(EstimatedOutliers, AnErrorOfAnySizeIsFoundInASmallProblem) {
     Random random(5);
     std::vector<double> z = noisyLine(8, random);
     z[3] += error;
-    const slom::OutlierReport report = EstimatedLine(z).est.outliers();
+    const slom::OutlierReport report = slom::outliers(EstimatedLine(z).est);
     ASSERT_EQ(report.suspects(), 1) << report;
     EXPECT_EQ(report.ranking().front().measurement, "point #4");
   }
@@ -53,7 +53,7 @@ TEST(EstimatedOutliers, AreTestedAgainstTheFitWithoutThem) {
     z[seed % 7] += 0.05;
     EstimatedLine all(z);
     const double rss = all.est.getRSS();
-    const slom::OutlierReport report = all.est.outliers();
+    const slom::OutlierReport report = slom::outliers(all.est);
     for (const slom::MeasurementCheck& check : report.groups[0].worst) {
       EstimatedLine rest(z);
       rest.est.removeMeasurement(rest.points[std::size_t(check.number - 1)]);
@@ -70,21 +70,21 @@ TEST(EstimatedOutliers, GoodDataHaveAsManyAsStated) {
   int alarms = 0;
   Random random(11);
   for (int k = 0; k < fits; ++k)
-    alarms += EstimatedLine(noisyLine(6, random)).est.outliers({.significance = 0.05}).suspects() > 0;
+    alarms += slom::outliers(EstimatedLine(noisyLine(6, random)).est, {.significance = 0.05}).suspects() > 0;
   EXPECT_NEAR(alarms, 0.05 * fits, 4 * std::sqrt(0.05 * fits));
 }
 
 TEST(EstimatedOutliers, SayWhichStandardDeviationsCount) {
   Random random(3);
   EstimatedLine all(noisyLine(9, random));
-  slom::OutlierReport report = all.est.outliers();
+  slom::OutlierReport report = slom::outliers(all.est);
   EXPECT_EQ(report.text().find("standard deviations are estimated from the residuals: "), 0u) << report;
   EXPECT_EQ(report.groups[0].probability, 1) << "the group cannot contradict what it gave";
-  EXPECT_TRUE(std::ranges::none_of(all.est.diagnose().findings, [](const slom::Finding& finding) {
+  EXPECT_TRUE(std::ranges::none_of(slom::diagnose(all.est).findings, [](const slom::Finding& finding) {
     return finding.kind == slom::Finding::Kind::implausible_sigma;
   }));
   all.est.setSigma(slom::Sigma::known);
-  report = all.est.outliers();
+  report = slom::outliers(all.est);
   EXPECT_EQ(report.text().find("no standard deviation was stated, 1 is assumed"), 0u) << report;
 }
 

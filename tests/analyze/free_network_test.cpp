@@ -121,7 +121,7 @@ void expectFreeNetwork(const std::function<FreePoints<Point>()>& make, int free)
     if (values.size() == 0) values = moved;
     EXPECT_LT((moved - values).norm(), 1e-6 * values.norm()) << algorithm->name();
     EXPECT_GT(moved.cwiseAbs().minCoeff(), 0);
-    EXPECT_EQ(est.outliers().unconverged, "");
+    EXPECT_EQ(slom::outliers(est).unconverged, "");
   }
 }
 

@@ -35,8 +35,8 @@ slom::Estimator decay() {
 }
 
 const std::string kRemedy =
-    "; wrong derivatives lead to other values or wrong standard deviations: checkDerivatives() compares them "
-    "all";
+    "; wrong derivatives lead to other values or wrong standard deviations: slom::checkDerivatives(est) "
+    "compares them all";
 
 TEST(WrongDerivatives, AreInTheWarningsWithAGuess) {
   EXPECT_EQ(decay<100>().optimize().warnings, Texts());

@@ -47,7 +47,7 @@ TEST(Intervals, OfALineWithEstimatedVarianceAreStudents) {
     for (const double probability : {0.5, 0.95, 0.999}) {
       const double t = slom::studentCritical(1 - probability, line.count - 2);
       const double half = t * line.est.standardDeviation(line.slope)[0];
-      const slom::ProfileInterval interval = line.est.profile(line.slope, probability);
+      const slom::ProfileInterval interval = slom::profile(line.est, line.slope, probability);
       EXPECT_NEAR(interval.upper, *line.slope + half, 1e-6 * half) << seed << " " << probability;
       EXPECT_NEAR(interval.lower, *line.slope - half, 1e-6 * half) << seed << " " << probability;
     }
@@ -80,7 +80,7 @@ TEST(Intervals, OfACurveWithEstimatedVarianceEndWhereFSaysSo) {
     }
     return yy - ey * ey / ee;
   };
-  const slom::ProfileInterval interval = est.profile(rate, 0.95);
+  const slom::ProfileInterval interval = slom::profile(est, rate, 0.95);
   const double t = slom::studentCritical(0.05, 6), best = est.getRSS();
   for (const double end : {interval.lower, interval.upper})
     EXPECT_NEAR((bestRss(end) - best) / (best / 6), t * t, 1e-4 * t * t);
@@ -90,12 +90,12 @@ TEST(Intervals, OfACurveWithEstimatedVarianceEndWhereFSaysSo) {
 TEST(Intervals, OfAllParametersAreThoseOfProfile) {
   NoisyLine line(5, 9);
   ASSERT_TRUE(line.est.optimize().converged);
-  const slom::IntervalTable table = line.est.intervals(0.9);
+  const slom::IntervalTable table = slom::intervals(line.est, 0.9);
   ASSERT_EQ(table.rows.size(), 2u);
   EXPECT_EQ(table.probability, 0.9);
   const std::vector<slom::VarID<double>> ids{line.offset, line.slope};
   for (std::size_t i = 0; i < 2; ++i) {
-    const slom::ProfileInterval own = line.est.profile(ids[i], 0.9);
+    const slom::ProfileInterval own = slom::profile(line.est, ids[i], 0.9);
     EXPECT_EQ(table.rows[i].name, line.est.nameOf(ids[i]));
     EXPECT_EQ(table.rows[i].value, *ids[i]);
     EXPECT_NEAR(table.rows[i].standard_deviation, line.est.standardDeviation(ids[i])[0], 1e-12);
@@ -103,9 +103,9 @@ TEST(Intervals, OfAllParametersAreThoseOfProfile) {
     EXPECT_DOUBLE_EQ(table.rows[i].upper, own.upper);
     EXPECT_TRUE(table.rows[i].is_profile);
   }
-  const slom::Clustered clustered = line.est.clustered();
+  const slom::Clustered clustered = slom::clustered(line.est);
   const Eigen::VectorXd half = clustered.interval(line.slope, 0.95);
-  const slom::IntervalTable wide = line.est.intervals(clustered);
+  const slom::IntervalTable wide = slom::intervals(line.est, clustered);
   EXPECT_NEAR(wide.rows[1].upper - *line.slope, half[0], 1e-5 * half[0]);
   EXPECT_GT(wide.rows[0].upper, wide.rows[0].value);
 }
@@ -120,7 +120,7 @@ TEST(Intervals, AreOneSidedAtBoundsAndFromDeviationsForRotations) {
   est.prior(pose, truth, slom::StandardDeviation(0.01));
   est.insertMeasurement([](const auto& x) { return x - 2.0; }, bounded, slom::StandardDeviation(0.7));
   ASSERT_TRUE(est.optimize().converged);
-  const slom::IntervalTable table = est.intervals();
+  const slom::IntervalTable table = slom::intervals(est);
   ASSERT_EQ(table.rows.size(), 7u);
   for (std::size_t i = 0; i < 6; ++i) {
     const bool is_position = table.rows[i].name.find(".pos.") != std::string::npos;
@@ -166,8 +166,8 @@ TEST(Intervals, AreWrittenForPagesAndPrograms) {
 
 TEST(Intervals, AreThoseOfAFit) {
   NoisyLine line(5, 9);
-  EXPECT_EQ(messageOf([&] { line.est.intervals(); }).substr(0, 20), "[slom.not-a-minimum]");
-  EXPECT_EQ(messageOf([&] { line.est.intervals(1.0); }).substr(0, 17), "[slom.bad-option]");
+  EXPECT_EQ(messageOf([&] { slom::intervals(line.est); }).substr(0, 20), "[slom.not-a-minimum]");
+  EXPECT_EQ(messageOf([&] { slom::intervals(line.est, 1.0); }).substr(0, 17), "[slom.bad-option]");
 }
 
 /// An offset and an exponential. From the fit on, a large amplitude goes with a small rate; a larger rate is another
@@ -188,7 +188,7 @@ TEST(Intervals, FollowTheMinimumOfTheFit) {
     }
     ASSERT_TRUE(est.optimize().converged);
     const double least = est.getRSS(), rise = slom::chiSquareCritical(0.05, 1);
-    const slom::ProfileInterval interval = est.profile(a, 0.95);
+    const slom::ProfileInterval interval = slom::profile(est, a, 0.95);
     // The best fit of the rest beyond each end, from the rates of both kinds of solutions.
     for (const double end : {interval.lower, interval.upper}) {
       if (!std::isfinite(end)) continue;
@@ -219,14 +219,14 @@ TEST(Intervals, OfAFreeNetworkComeFromStandardDeviations) {
   }
   est.setFreeGauge(slom::FreeGauge::inner_constraints);
   ASSERT_TRUE(est.optimize().converged);
-  for (const slom::ParameterInterval& row : est.intervals(0.95).rows) {
+  for (const slom::ParameterInterval& row : slom::intervals(est, 0.95).rows) {
     EXPECT_FALSE(row.is_profile);
     EXPECT_NEAR(row.upper - row.value, 1.959964 * row.standard_deviation, 1e-6);
     EXPECT_NEAR(row.value - row.lower, row.upper - row.value, 1e-9);
   }
-  EXPECT_NE(messageOf([&] { est.profile(heights[0], 0.95); }).find("the profile of h0 has no ends"),
+  EXPECT_NE(messageOf([&] { slom::profile(est, heights[0], 0.95); }).find("the profile of h0 has no ends"),
             std::string::npos);
-  const slom::Diagnosis diagnosis = est.diagnose();
+  const slom::Diagnosis diagnosis = slom::diagnose(est);
   ASSERT_FALSE(diagnosis.findings.empty());
   EXPECT_FALSE(diagnosis.findings[0].is_fault) << diagnosis;
 }
@@ -249,8 +249,8 @@ TEST(Intervals, OfAFunctionThatRoundsNeedItsStepAlone) {
     }
     const slom::Summary summary = est.optimize();
     ASSERT_TRUE(summary.converged) << summary;
-    EXPECT_TRUE(est.checkDerivatives().ok()) << est.checkDerivatives();
-    for (const slom::ParameterInterval& row : est.intervals(0.95).rows) {
+    EXPECT_TRUE(slom::checkDerivatives(est).ok()) << slom::checkDerivatives(est);
+    for (const slom::ParameterInterval& row : slom::intervals(est, 0.95).rows) {
       EXPECT_NEAR(row.upper - row.lower, 2 * 1.96 * row.standard_deviation, 0.5 * row.standard_deviation)
           << row.name;
     }

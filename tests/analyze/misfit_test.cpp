@@ -29,12 +29,12 @@ TEST(Misfit, OfChiSquareIsAWarning) {
             Texts{"chi-square / dof is 1.05e+04, where about 1 is expected from the stated standard "
                   "deviations: the model or its derivatives do not "
                   "fit the data, some data are wrong, or the standard deviations are "
-                  "1e+02 times too small; outliers() names the worst "
+                  "1e+02 times too small; slom::outliers(est) names the worst "
                   "data, Sigma::estimated takes the scale from the residuals"});
   EXPECT_EQ(fit(100).warnings,
             Texts{"chi-square / dof is 0.000105, where about 1 is expected from the stated "
                   "standard deviations: the standard deviations are "
-                  "97 times too large; outliers() names the worst data, Sigma::estimated "
+                  "97 times too large; slom::outliers(est) names the worst data, Sigma::estimated "
                   "takes the scale from the residuals"});
 }
 

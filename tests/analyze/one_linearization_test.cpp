@@ -57,8 +57,8 @@ struct Fit {
     static_cast<void>(est.marginals());
     static_cast<void>(
         est.propagate([](const auto& p, const auto& l) { return p[0] + p[2] * l; }, curve, level));
-    static_cast<void>(est.diagnose());
-    static_cast<void>(est.outliers());
+    static_cast<void>(slom::diagnose(est));
+    static_cast<void>(slom::outliers(est));
   }
 };
 
@@ -142,8 +142,8 @@ TEST(FreeGauge, IsServedByOneLinearization) {
     static_cast<void>(est.standardDeviation(points[2]));
     static_cast<void>(est.jointCovariance(points[0], points[3]));
     static_cast<void>(est.marginals());
-    static_cast<void>(est.diagnose());
-    static_cast<void>(est.outliers());
+    static_cast<void>(slom::diagnose(est));
+    static_cast<void>(slom::outliers(est));
     return differentiated;
   };
   EXPECT_EQ(ask(), 5);
@@ -164,7 +164,7 @@ TEST(ConstQueries, LeaveTheActiveSetAsItIs) {
   const auto [x, y] = make(est);
   const slom::Estimator& constant = est;
   EXPECT_EQ(constant.standardDeviation(x)[0], 0);  // at its bound, beyond which the RSS falls
-  EXPECT_EQ(constant.diagnose().unknowns, 1);
+  EXPECT_EQ(slom::diagnose(constant).unknowns, 1);
   // Were the bound active by now, the column of x would be 0 and its derivatives not compared.
   EXPECT_EQ(constant.getN(), 2);
   slom::Estimator fresh;

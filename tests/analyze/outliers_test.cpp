@@ -68,7 +68,7 @@ struct Parabola {
 TEST(Outliers, StatisticAndEffectAreThoseOfLeavingTheMeasurementOut) {
   Parabola all(1, 6);
   all.insert();
-  const slom::OutlierReport report = all.est.outliers({.worst = 100});
+  const slom::OutlierReport report = slom::outliers(all.est, {.worst = 100});
   ASSERT_EQ(report.groups.size(), 1u);
   ASSERT_EQ(report.groups[0].worst.size(), 6u);
   EXPECT_NEAR(report.groups[0].redundancy, 12 - 3, 1e-9);
@@ -92,7 +92,7 @@ TEST(Outliers, EffectIsInStandardDeviationsAsSigmaSays) {
   Parabola all(1, 6, 0.3);  // three times as uncertain as stated
   all.insert();
   all.est.setSigma(slom::Sigma::estimated);
-  const slom::OutlierReport report = all.est.outliers({.worst = 100});
+  const slom::OutlierReport report = slom::outliers(all.est, {.worst = 100});
   ASSERT_GT(report.variance_factor, 2);
   for (const slom::MeasurementCheck& check : report.groups[0].worst) {
     Parabola rest(1, 6, 0.3);
@@ -110,7 +110,7 @@ TEST(Outliers, AreAsRareAsTheirSignificanceSays) {
   for (unsigned seed = 0; seed < problems; ++seed) {
     Parabola fit(seed + 100, 10);
     fit.insert();
-    const slom::OutlierReport report = fit.est.outliers({.significance = 0.1, .worst = 100});
+    const slom::OutlierReport report = slom::outliers(fit.est, {.significance = 0.1, .worst = 100});
     with_suspects += report.suspects() > 0 ? 1 : 0;
     for (const slom::MeasurementCheck& check : report.groups[0].worst) {
       sum += check.probability;
@@ -125,7 +125,7 @@ TEST(Outliers, OneWrongDatumInTenThousandIsFound) {
   Parabola fit(5, 10000);
   fit.data[4321][1] += 1;
   fit.insert();
-  const slom::OutlierReport report = fit.est.outliers({.worst = 2});
+  const slom::OutlierReport report = slom::outliers(fit.est, {.worst = 2});
   EXPECT_EQ(report.suspects(), 1);
   EXPECT_EQ(report.groups[0].worst[0].measurement, "sample #4322");
   EXPECT_TRUE(report.groups[0].worst[0].is_suspect);
@@ -143,7 +143,7 @@ TEST(Outliers, KnowOfLossesAndOfWhatNothingChecks) {
   est.insertMeasurement([](const auto& v) { return v - 3; }, y, slom::named("alone"));
   est.changeAlgorithm(slom::LevenbergMarquardt());
   EXPECT_TRUE(est.optimize().converged);
-  const slom::OutlierReport report = est.outliers();
+  const slom::OutlierReport report = slom::outliers(est);
   const slom::MeasurementCheck& wild = report.groups[0].worst[0];
   EXPECT_EQ(wild.measurement, "robust #4");
   EXPECT_EQ(wild.weight, 0);
@@ -160,7 +160,7 @@ TEST(Outliers, BadSignificanceIsNamed) {
   Parabola fit(1, 5);
   fit.insert();
   try {
-    fit.est.outliers({.significance = 2});
+    slom::outliers(fit.est, {.significance = 2});
     FAIL();
   } catch (const mtk::Error& error) {
     EXPECT_STREQ(
@@ -172,7 +172,7 @@ TEST(Outliers, BadSignificanceIsNamed) {
 TEST(Outliers, ASigmaThatIsWrongIsTold) {
   Parabola fit(3, 50, 10.0);
   fit.insert();
-  const slom::Diagnosis diagnosis = fit.est.diagnose();
+  const slom::Diagnosis diagnosis = slom::diagnose(fit.est);
   ASSERT_EQ(diagnosis.findings.size(), 1u);
   EXPECT_EQ(diagnosis.findings[0].kind, slom::Finding::Kind::implausible_sigma);
   double chi2 = 0, factor = 0;

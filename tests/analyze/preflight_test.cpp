@@ -18,7 +18,7 @@ TEST(Preflight, OfASoundProblem) {
   const auto x = est.insertRV(1.0, "x");
   for (const double z : {1.0, 2.0, 4.0})
     est.insertMeasurement([z](const auto& v) { return v - z; }, x, slom::named("sample"));
-  const slom::Preflight preflight = est.preflight();
+  const slom::Preflight preflight = slom::preflight(est);
   EXPECT_TRUE(preflight.ok());
   EXPECT_EQ(
       preflight.text(),
@@ -36,7 +36,7 @@ TEST(Preflight, NamesWhatCannotBeEvaluated) {
   est.insertMeasurement([](double v) -> double { return v < 0 ? throw std::runtime_error("negative") : v; },
                         x, slom::named("guard"));
   EXPECT_EQ(
-      est.preflight().faults,
+      slom::preflight(est).faults,
       (Texts{
           "the residual of datum #2 is not finite at x = (-1); check data, start values, and where the function divides, takes "
           "roots or logarithms",
@@ -58,7 +58,7 @@ TEST(Preflight, FindsWrongDerivativesAndMissingMeasurements) {
   est.insertMeasurement([](const auto& v) { return v[0] + v[1]; }, p);
   est.insertMeasurement([](const auto& v) { return v - 1; }, x);
   EXPECT_EQ(
-      est.preflight().faults,
+      slom::preflight(est).faults,
       (Texts{
           "there are 2 residuals for 3 unknowns: add measurements or priors, or fix variables",
           "fewer residuals than unknowns depend on p (1 for 2): add measurements or a prior, or fix what they lack",
@@ -66,7 +66,7 @@ TEST(Preflight, FindsWrongDerivativesAndMissingMeasurements) {
           "measurements that depend on them in another way"}));
   est.insertRV(0.0, "idle");
   EXPECT_EQ(
-      est.preflight().faults[0],
+      slom::preflight(est).faults[0],
       "no measurement depends on variable idle, so nothing determines it; add measurements or fix it with fix(id)");
 }
 
@@ -75,7 +75,7 @@ TEST(Preflight, ChecksTheUsersDerivatives) {
   const auto x = est.insertRV(1.0, "x");
   est.insertMeasurement(WrongSign(), x);
   EXPECT_EQ(
-      est.preflight().faults,
+      slom::preflight(est).faults,
       Texts{
           "the given derivative of residual 0 of WrongSign #1 by x is -3, differences give 3: the sign is wrong"});
 }

@@ -64,7 +64,7 @@ TEST(Ranking, GoesOverAllKindsAndItsRowsCanBeRemoved) {
     // One after the other, the worst first.
     std::vector<AnyMeasID> removed;
     for (int round = 0; round < 2; ++round) {
-      const std::vector<slom::MeasurementCheck> ranking = survey.est.outliers().ranking();
+      const std::vector<slom::MeasurementCheck> ranking = slom::outliers(survey.est).ranking();
       EXPECT_TRUE(std::ranges::is_sorted(ranking, {}, &slom::MeasurementCheck::probability));
       EXPECT_EQ(survey.est.nameOf(ranking.front().id), ranking.front().measurement);
       EXPECT_NEAR(survey.est.whitenedResidual(ranking.front().id).norm(), ranking.front().residual, 1e-12);
@@ -80,7 +80,7 @@ TEST(Ranking, GoesOverAllKindsAndItsRowsCanBeRemoved) {
 
 TEST(Ranking, NamesWhatNothingChecks) {
   CheckedSurvey survey(1);
-  const slom::OutlierReport report = survey.est.outliers();
+  const slom::OutlierReport report = slom::outliers(survey.est);
   // Only the position of the last point has no other measurement that checks it.
   ASSERT_EQ(report.hardlyCheckable(), 1);
   const slom::GroupCheck& positions = report.groups.front();

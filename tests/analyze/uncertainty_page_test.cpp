@@ -73,7 +73,7 @@ TEST(UncertaintyPage, ErrorsThatMeasurementsShare) {
   }
   const slom::Summary summary = est.optimize();
   ASSERT_TRUE(summary.converged);
-  const slom::Clustered c = est.clustered({.by = {"day"}});
+  const slom::Clustered c = slom::clustered(est, {.by = {"day"}});
   std::cout << c.report();
   EXPECT_EQ(blocks(page(), "text").at(3), c.report());
 
@@ -88,7 +88,7 @@ TEST(UncertaintyPage, ErrorsThatMeasurementsShare) {
   std::cout << c.outliers();                                 // days that pull at the values more than they should
   slom::Summary with_both = summary;
   c.addTo(with_both);                                        // its report() has a column of clustered ones
-  const slom::ProfileInterval scaled = est.profile(barn, "x", c, 0.95);
+  const slom::ProfileInterval scaled = slom::profile(est, barn, "x", c, 0.95);
   EXPECT_NE(with_both.report().find("  standard deviation    clustered      dof\n"), std::string::npos);
   EXPECT_NEAR(scaled.upper - scaled.lower, 2 * half[0], 1e-3 * half[0]);
 }
@@ -118,11 +118,11 @@ TEST(UncertaintyPage, HowLargeErrorsAre) {
     }
   }
   ASSERT_TRUE(est.optimize().converged);
-  const slom::VarianceComponents v = est.varianceComponents({.shared = {{"tape", "day"}}});
+  const slom::VarianceComponents v = slom::varianceComponents(est, {.shared = {{"tape", "day"}}});
   std::cout << v.report();
   EXPECT_EQ(blocks(page(), "text").at(4), v.report());
   const auto [lower, upper] = v.at("receiver").interval(0.95);   // of the factor
-  est.apply(v);                                              // stated standard deviations, times the factors
+  slom::apply(v, est);                                       // stated standard deviations, times the factors
   const slom::Summary with_right_weights = est.optimize();
   EXPECT_LT(lower, 0.6);
   EXPECT_GT(upper, 0.6);
@@ -149,7 +149,7 @@ TEST(UncertaintyPage, Works) {
   SurveyOfThePage survey;
   auto& [est, church, mill, tower, barn, oak] = survey;
   {
-  const slom::Diagnosis diagnosis = est.diagnose();
+  const slom::Diagnosis diagnosis = slom::diagnose(est);
   std::cout << diagnosis;
     EXPECT_EQ(blocks(page(), "text").at(0), diagnosis.text());
   }
@@ -186,10 +186,10 @@ TEST(UncertaintyPage, Works) {
        << what_if.standardDeviation(barn_there).transpose() << ", " << gain << " nats\n";
   EXPECT_EQ(blocks(page(), "text").at(2), line.str());
 
-  const slom::ProfileInterval interval = est.profile(oak, "x", 0.95);
+  const slom::ProfileInterval interval = slom::profile(est, oak, "x", 0.95);
   EXPECT_LT(interval.lower, interval.value);
   EXPECT_LT(interval.value, interval.upper);
-  const slom::IntervalTable table = est.intervals(0.95);
+  const slom::IntervalTable table = slom::intervals(est, 0.95);
   std::cout << table << table.markdown() << table.csv();
   EXPECT_EQ(table.rows.size(), 7u);
 
@@ -213,13 +213,13 @@ TEST(UncertaintyPage, Works) {
   est.free(mill);
 
   est.fix(mill, "y");
-  const slom::OutlierReport report = est.outliers();
+  const slom::OutlierReport report = slom::outliers(est);
   std::cout << report;
   EXPECT_EQ(report.suspects(), 0);
   const std::vector<slom::MeasurementCheck> ranking = report.ranking();   // the least probable first
   if (ranking.front().is_suspect) est.removeMeasurement(ranking.front().id);
 
-  const slom::Preflight preflight = est.preflight();
+  const slom::Preflight preflight = slom::preflight(est);
   if (!preflight.ok()) std::cout << preflight;
   EXPECT_TRUE(preflight.ok()) << preflight;
 }

@@ -132,7 +132,7 @@ TEST(Uncertainty, OfASolverThatIteratesIsThatOfOneThatFactorises) {
     est.insertMeasurement(difference, a, b, slom::measured(-1.0), slom::StandardDeviation(sigma));
     est.insertMeasurement(difference, c, b, slom::measured(-1.5), slom::StandardDeviation(1));
     EXPECT_TRUE(est.optimize().converged);
-    EXPECT_TRUE(est.diagnose().isDetermined());
+    EXPECT_TRUE(slom::diagnose(est).isDetermined());
     return Eigen::Vector2d(est.standardDeviation(a)[0], est.marginals().standardDeviation(c)[0]);
   };
   for (const double sigma : {1e2, 1e4, 1e6, 1e8, 1e9}) {
@@ -283,7 +283,7 @@ TEST(Profile, OfALinearModelIsTheQuantileOfTheNormalDistributionOrStudents) {
   EXPECT_TRUE(est.optimize().converged);
   const vec2 fitted = *line;
   for (const int c : {0, 1}) {
-    const slom::ProfileInterval interval = est.profile(line, c == 0 ? "x" : "y");
+    const slom::ProfileInterval interval = slom::profile(est, line, c == 0 ? "x" : "y");
     const double half = 1.959963984540054 * est.standardDeviation(line)[c];
     EXPECT_EQ(interval.value, fitted[c]);
     EXPECT_NEAR(interval.upper, fitted[c] + half, 1e-6 * half);
@@ -293,7 +293,7 @@ TEST(Profile, OfALinearModelIsTheQuantileOfTheNormalDistributionOrStudents) {
   }
   est.setSigma(slom::Sigma::estimated);
   const double half = 3.182446305284263 * est.standardDeviation(line)[0];  // three degrees of freedom
-  EXPECT_NEAR(est.profile(line, "x").upper, fitted[0] + half, 1e-6 * half);
+  EXPECT_NEAR(slom::profile(est, line, "x").upper, fitted[0] + half, 1e-6 * half);
 }
 
 /// Michaelis and Menten's curve, whose intervals are asymmetric. At the ends, the RSS from a fine search over the other
@@ -313,7 +313,7 @@ TEST(Profile, OfACurveIsLopsided) {
   }
   EXPECT_TRUE(est.optimize().converged);
   const double best = est.getRSS();
-  const slom::ProfileInterval interval = est.profile(p, "y");
+  const slom::ProfileInterval interval = slom::profile(est, p, "y");
   EXPECT_GT(interval.upper - interval.value, 1.05 * (interval.value - interval.lower));
   for (const double k : {interval.lower, interval.upper}) {
     double least = std::numeric_limits<double>::infinity();
@@ -324,8 +324,8 @@ TEST(Profile, OfACurveIsLopsided) {
   const auto x = open.insertRV(1.0, "x");
   open.insertMeasurement([](const auto& v) { return 1 / v - 1; }, x);  // bounded by 1 as x grows
   open.optimize();
-  EXPECT_EQ(open.profile(x).upper, std::numeric_limits<double>::infinity());
-  EXPECT_NEAR(open.profile(x).lower, 1 / (1 + 1.959963984540054), 1e-6);
+  EXPECT_EQ(slom::profile(open, x).upper, std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(slom::profile(open, x).lower, 1 / (1 + 1.959963984540054), 1e-6);
 }
 
 /// r = (x - z) / sigma has its interval in closed form: z +- 1.96 sigma, cut by the bound. If z is beyond the bound b,
@@ -352,7 +352,7 @@ TEST(Profile, EndsAtBounds) {
     est.bound(x, c.lower, c.upper);
     ASSERT_TRUE(est.optimize().converged);
     const double fitted = *x, other = *y;
-    const slom::ProfileInterval interval = est.profile(x);
+    const slom::ProfileInterval interval = slom::profile(est, x);
     EXPECT_NEAR(interval.value, std::clamp(c.z, c.lower, c.upper), 1e-9);
     EXPECT_NEAR(interval.lower, c.expected_lower, 1e-6)
         << c.z << " in [" << c.lower << ", " << c.upper << "]";
@@ -379,14 +379,14 @@ TEST(Profile, FaultsAreNamed) {
     return "no error";
   };
   EXPECT_EQ(
-      messageOf([&] { est.profile(pose, "pos.x"); }),
+      messageOf([&] { slom::profile(est, pose, "pos.x"); }),
       "[slom.not-a-minimum] the profile of pose.pos.x needs the values of a converged fit; call optimize() "
       "first");
   EXPECT_EQ(
-      messageOf([&] { est.profile(pose, "pos"); }),
+      messageOf([&] { slom::profile(est, pose, "pos"); }),
       "[slom.no-component] pos of variable pose is not one coordinate; profile takes one component of a vector at a time");
   EXPECT_EQ(
-      messageOf([&] { est.profile(pose, "pos.x", 95); }),
+      messageOf([&] { slom::profile(est, pose, "pos.x", 95); }),
       "[slom.bad-option] the probability of a profile interval is 95; pass one between 0 and 1, such as 0.95");
 }
 

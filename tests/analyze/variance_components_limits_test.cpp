@@ -59,7 +59,7 @@ struct Chain {
 /// approximate.
 TEST(VarianceComponentsLimits, OfALargeProblem) {
   const Chain chain(420, 2, 0.5);
-  const slom::VarianceComponents v = chain.est.varianceComponents();
+  const slom::VarianceComponents v = slom::varianceComponents(chain.est);
   ASSERT_TRUE(v.converged) << v.report();
   SLOM_SKIP_WITH_SANITIZERS();  // the dense matrices below
   VectorXd theta(2);
@@ -90,7 +90,7 @@ TEST(VarianceComponentsLimits, OfALargeProblem) {
 
 TEST(VarianceComponentsLimits, OfStatedDeviationsThatAreFarOff) {
   const Chain chain(20, 30, 0.1);
-  const slom::VarianceComponents v = chain.est.varianceComponents();
+  const slom::VarianceComponents v = slom::varianceComponents(chain.est);
   EXPECT_GT(v.largest_move, 1);
   ASSERT_EQ(v.notes.size(), 1U);
   EXPECT_EQ(v.notes[0].substr(0, 36), "with these weights a value moves by ");
@@ -100,11 +100,11 @@ TEST(VarianceComponentsLimits, OfStatedDeviationsThatAreFarOff) {
 
 TEST(VarianceComponentsLimits, OfAnIterationThatIsCutShort) {
   const Chain chain(20, 3, 0.1);
-  const slom::VarianceComponents v = chain.est.varianceComponents({.max_iterations = 2});
+  const slom::VarianceComponents v = slom::varianceComponents(chain.est, {.max_iterations = 2});
   EXPECT_FALSE(v.converged);
   EXPECT_EQ(v.iterations, 2);
   EXPECT_EQ(v.report().substr(0, 44), "NOT converged: iteration limit of 2 reached\n");
-  EXPECT_TRUE(chain.est.varianceComponents().converged);
+  EXPECT_TRUE(slom::varianceComponents(chain.est).converged);
 }
 
 /// A shared error of groups that each have a free offset of their own, which takes it up.
@@ -119,7 +119,7 @@ TEST(VarianceComponentsLimits, OfASharedErrorThatValuesFollow) {
                             slom::group("day", g));
   }
   ASSERT_TRUE(est.optimize().converged);
-  const slom::VarianceComponents v = est.varianceComponents({.shared = {{"reading", "day"}}});
+  const slom::VarianceComponents v = slom::varianceComponents(est, {.shared = {{"reading", "day"}}});
   EXPECT_FALSE(v.components[1].is_estimated);
   EXPECT_EQ(v.components[1].factor, 0);
   EXPECT_EQ(v.notes, (std::vector<std::string>{

@@ -59,7 +59,7 @@ Tally simulateLine(const LineSimulation& wanted) {
       }
     }
     est.optimize({.most_parameters = 0});
-    const slom::VarianceComponents v = est.varianceComponents(options);
+    const slom::VarianceComponents v = slom::varianceComponents(est, options);
     for (Eigen::Index k = 0; k < n; ++k) {
       const slom::VarianceComponent& own = v.components[static_cast<std::size_t>(k)];
       const double true_factor = truth[static_cast<std::size_t>(k)], theta = own.factor * own.factor;

@@ -186,21 +186,21 @@ TEST(VarianceComponents, AreTheMaximumOfTheRestrictedLikelihood) {
   Levelling two, three;
   level(two, {2, 0.5});
   level(three, {2, 0.5, 7});
-  expectMaximum(two.est.varianceComponents(), {two, {two.V(0), two.V(1)}});
-  expectMaximum(three.est.varianceComponents(), {three, {three.V(0), three.V(1), three.V(2)}});
+  expectMaximum(slom::varianceComponents(two.est), {two, {two.V(0), two.V(1)}});
+  expectMaximum(slom::varianceComponents(three.est), {three, {three.V(0), three.V(1), three.V(2)}});
 }
 
 TEST(VarianceComponents, WithASharedError) {
   Levelling all;
   level(all, {1, 1, 1}, 3);
-  const slom::VarianceComponents v = all.est.varianceComponents({.shared = {{"level", "day"}}});
+  const slom::VarianceComponents v = slom::varianceComponents(all.est, {.shared = {{"level", "day"}}});
   expectMaximum(v, {all, {all.V(0), all.V(1), all.V(2), all.sharedV(1)}});
   EXPECT_EQ(v.components[3].name, "level, shared by day");
   EXPECT_TRUE(v.components[3].is_shared);
   EXPECT_EQ(v.components[3].measurements, 8);
   EXPECT_GT(v.at("level, shared by day").factor, 1.5);
   // Without it the first level's own error takes the blame.
-  EXPECT_GT(all.est.varianceComponents().at("level").factor, 1.5 * v.at("level").factor);
+  EXPECT_GT(slom::varianceComponents(all.est).at("level").factor, 1.5 * v.at("level").factor);
 }
 
 TEST(VarianceComponents, WithAnErrorThatChangesAlongGroups) {
@@ -209,8 +209,8 @@ TEST(VarianceComponents, WithAnErrorThatChangesAlongGroups) {
     Levelling all;
     level(all, {1, 1, 1}, 3);
     const auto components = [&](double L) {
-      return all.est.varianceComponents(
-          {.shared = {{.kind = "level", .by = "day", .place = hour, .length = L}}});
+      return slom::varianceComponents(
+          all.est, {.shared = {{.kind = "level", .by = "day", .place = hour, .length = L}}});
     };
     const slom::VarianceComponents v = components(length);
     SLOM_SKIP_WITH_SANITIZERS();  // the dense likelihood below
@@ -232,7 +232,7 @@ TEST(VarianceComponents, OfSomeKindsWhileOthersAreAsStated) {
   level(all, {1, 3, 1});
   DenseLikelihood dense(all, {all.V(1)});
   dense.fixed = all.V(0) + all.V(2);
-  const slom::VarianceComponents v = all.est.varianceComponents({.kinds = {"level"}});
+  const slom::VarianceComponents v = slom::varianceComponents(all.est, {.kinds = {"level"}});
   expectMaximum(v, dense);
   EXPECT_EQ(v.notes, (std::vector<std::string>{"taken as stated: gps and laser"}));
 }
@@ -243,7 +243,7 @@ TEST(VarianceComponents, OfOneKindIsChiSquarePerDof) {
     for (int k = 0; k < 6; ++k) all.add(0, "gps", i, -1, 0.05, 3 * all.normal(), k);
   }
   const slom::Summary summary = all.est.optimize();
-  const slom::VarianceComponents v = all.est.varianceComponents();
+  const slom::VarianceComponents v = slom::varianceComponents(all.est);
   EXPECT_NEAR(v.components[0].factor, std::sqrt(summary.chi2PerDof()), 1e-9);
   EXPECT_NEAR(v.components[0].redundancy, 25, 1e-9);
   EXPECT_NEAR(v.components[0].dof, 25, 1e-9);
@@ -259,21 +259,21 @@ TEST(VarianceComponents, ChangeNothingUntilTheyAreApplied) {
   level(all, {2, 0.5, 7});
   const double rss = all.est.getRSS(), deviation = all.est.standardDeviation(all.points[2])[0];
   const auto structure = all.est.table().structureRevision(), values = all.est.table().valueRevision();
-  const slom::VarianceComponents v = all.est.varianceComponents();
+  const slom::VarianceComponents v = slom::varianceComponents(all.est);
   EXPECT_EQ(all.est.getRSS(), rss);
   EXPECT_EQ(all.est.standardDeviation(all.points[2])[0], deviation);
   EXPECT_EQ(all.est.table().structureRevision(), structure);
   EXPECT_EQ(all.est.table().valueRevision(), values);
 
   all.est.update();
-  const slom::VarianceComponents again = all.est.varianceComponents();
-  all.est.apply(again);
+  const slom::VarianceComponents again = slom::varianceComponents(all.est);
+  slom::apply(again, all.est);
   all.est.update();  // follows the new weights
   const double followed = *all.points[2];
   const slom::Summary summary = all.est.optimize();
   EXPECT_NEAR(*all.points[2], followed, 1e-6 * deviation);
   for (const slom::GroupSummary& group : summary.groups) EXPECT_NEAR(group.final_rss, group.redundancy, 1e-5);
-  const slom::VarianceComponents after = all.est.varianceComponents();
+  const slom::VarianceComponents after = slom::varianceComponents(all.est);
   for (const slom::VarianceComponent& own : after.components) EXPECT_NEAR(own.factor, 1, 1e-6) << own.name;
   EXPECT_LT(after.largest_move, 1e-5);
 
@@ -311,7 +311,7 @@ TEST(VarianceComponents, OfAKindThatNothingChecks) {
   const auto far = all.est.insertRV(0.0, "far");
   all.est.insertMeasurement(rise, all.points[0], far, slom::measured(3.0), slom::named("radar"));
   ASSERT_TRUE(all.est.optimize().converged);
-  const slom::VarianceComponents v = all.est.varianceComponents();
+  const slom::VarianceComponents v = slom::varianceComponents(all.est);
   const slom::VarianceComponent& radar = v.at("radar");
   EXPECT_FALSE(radar.is_estimated);
   EXPECT_EQ(radar.factor, 1);
@@ -335,7 +335,7 @@ TEST(VarianceComponents, OfAKindWithoutResiduals) {
                                 slom::named("ruler"));
   }
   ASSERT_TRUE(all.est.optimize().converged);
-  const slom::VarianceComponents v = all.est.varianceComponents();
+  const slom::VarianceComponents v = slom::varianceComponents(all.est);
   EXPECT_FALSE(v.at("ruler").is_estimated);
   EXPECT_EQ(v.at("ruler").reason, "the estimate is 0: its residuals are 0, or too few");
   EXPECT_EQ(v.at("ruler").factor, 1);
@@ -345,7 +345,7 @@ TEST(VarianceComponents, OfAKindWithoutResiduals) {
   const auto level = exact.insertRV(0.0, "level");
   for (int i = 0; i < 5; ++i) exact.insertMeasurement(height, level, slom::measured(1.0), slom::named("gps"));
   ASSERT_TRUE(exact.optimize().converged);
-  const slom::VarianceComponents none = exact.varianceComponents();
+  const slom::VarianceComponents none = slom::varianceComponents(exact);
   EXPECT_FALSE(none.converged);
   EXPECT_EQ(none.message, "no component can be estimated");
 }
@@ -364,7 +364,7 @@ TEST(VarianceComponents, OfKindsThatCannotBeToldApart) {
     rss += (a - b) * (a - b) / 2;
   }
   ASSERT_TRUE(est.optimize().converged);
-  const slom::VarianceComponents v = est.varianceComponents();
+  const slom::VarianceComponents v = slom::varianceComponents(est);
   EXPECT_EQ(v.notes, (std::vector<std::string>{
                          "the residuals cannot tell apart the errors of a and b; they get one factor"}));
   EXPECT_NEAR(v.at("a").factor, std::sqrt(rss / 30), 1e-9);
@@ -378,21 +378,21 @@ TEST(VarianceComponents, OfASharedErrorThatIsNone) {
   Levelling all;
   for (int i = 0; i < 40; ++i) all.add(0, "gps", i % 5, -1, 0.05, all.normal(), i);
   ASSERT_TRUE(all.est.optimize().converged);
-  const slom::VarianceComponents alone = all.est.varianceComponents({.shared = {{"gps", "day"}}});
+  const slom::VarianceComponents alone = slom::varianceComponents(all.est, {.shared = {{"gps", "day"}}});
   EXPECT_EQ(
       alone.notes,
       (std::vector<std::string>{
           "the residuals cannot tell apart the errors of gps and gps, shared by day; the last of them is left out",
           "gps, shared by day: it cannot be told apart from others"}));
   EXPECT_EQ(alone.components[1].factor, 0);
-  EXPECT_NEAR(alone.components[0].factor, all.est.varianceComponents().components[0].factor, 1e-9);
+  EXPECT_NEAR(alone.components[0].factor, slom::varianceComponents(all.est).components[0].factor, 1e-9);
 
   // Errors that alternate within each group: less in common than by chance.
   Levelling opposite;
   for (int i = 0; i < 40; ++i)
     opposite.add(0, "gps", i % 5, -1, 0.05, (i % 2 == 0 ? 1 : -1) * (1 + 0.1 * opposite.normal()), i / 4);
   ASSERT_TRUE(opposite.est.optimize().converged);
-  const slom::VarianceComponents none = opposite.est.varianceComponents({.shared = {{"gps", "day"}}});
+  const slom::VarianceComponents none = slom::varianceComponents(opposite.est, {.shared = {{"gps", "day"}}});
   EXPECT_EQ(none.components[1].reason, "the estimate is 0: no shared error is seen");
   EXPECT_EQ(none.components[1].factor, 0);
 }
@@ -419,9 +419,9 @@ TEST(VarianceComponents, OfAFreeNetworkWithFixedComponentsAndBounds) {
   free.changeAlgorithm(slom::LevenbergMarquardt());
   ASSERT_TRUE(free.optimize().converged);
   ASSERT_TRUE(fixed.optimize().converged);
-  EXPECT_EQ(messageOf([&] { free.varianceComponents(); }).substr(0, 17), "[slom.free-gauge]");
+  EXPECT_EQ(messageOf([&] { slom::varianceComponents(free); }).substr(0, 17), "[slom.free-gauge]");
   free.setFreeGauge(slom::FreeGauge::inner_constraints);
-  const slom::VarianceComponents a = free.varianceComponents(), b = fixed.varianceComponents();
+  const slom::VarianceComponents a = slom::varianceComponents(free), b = slom::varianceComponents(fixed);
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_NEAR(a.components[k].factor, b.components[k].factor, 1e-7);
     EXPECT_NEAR(a.components[k].standard_deviation, b.components[k].standard_deviation, 1e-7);
@@ -430,7 +430,7 @@ TEST(VarianceComponents, OfAFreeNetworkWithFixedComponentsAndBounds) {
   fixed.reinitRV(others[1], vec2(*others[1] + vec2(0.5, 0)));
   fixed.fix(others[1], "x");
   ASSERT_TRUE(fixed.optimize().converged);
-  const slom::VarianceComponents by_fixing = fixed.varianceComponents();
+  const slom::VarianceComponents by_fixing = slom::varianceComponents(fixed);
   const double x = (*others[1])[0];
   fixed.free(others[1]);
   const double all = b.components[0].redundancy + b.components[1].redundancy;
@@ -440,19 +440,19 @@ TEST(VarianceComponents, OfAFreeNetworkWithFixedComponentsAndBounds) {
   fixed.reinitRV(others[1], vec2(x, 0));
   fixed.bound(others[1], "x", x < best ? x - 9 : x, x < best ? x : x + 9);
   ASSERT_TRUE(fixed.optimize().converged);
-  const slom::VarianceComponents by_bound = fixed.varianceComponents();
+  const slom::VarianceComponents by_bound = slom::varianceComponents(fixed);
   EXPECT_NEAR(by_bound.components[0].factor, by_fixing.components[0].factor, 1e-6);
 }
 
 TEST(VarianceComponents, KindsByTypeAndByKey) {
   Levelling all;
   level(all, {2, 0.5});
-  const slom::VarianceComponents by_label = all.est.varianceComponents();
+  const slom::VarianceComponents by_label = slom::varianceComponents(all.est);
   const auto key = [](const slom::ClusterItem& item) -> std::optional<std::int64_t> {
     return item.label() == "gps" ? 0 : 1;
   };
   const slom::VarianceComponents by_key =
-      all.est.varianceComponents({.by = slom::ClusterBy::function("kind", key)});
+      slom::varianceComponents(all.est, {.by = slom::ClusterBy::function("kind", key)});
   EXPECT_EQ(by_key.components[1].name, "kind 1");
   EXPECT_NEAR(by_key.components[1].factor, by_label.components[1].factor, 1e-9);
 
@@ -461,7 +461,7 @@ TEST(VarianceComponents, KindsByTypeAndByKey) {
   for (const double z : {1.0, 2.0, 4.0}) est.insertMeasurement(height, x, slom::measured(z));
   est.prior(x, 0.0, 1.0);
   ASSERT_TRUE(est.optimize().converged);
-  const slom::VarianceComponents v = est.varianceComponents();
+  const slom::VarianceComponents v = slom::varianceComponents(est);
   ASSERT_EQ(v.components.size(), 1U);
   EXPECT_EQ(v.components[0].measurements, 3);
   EXPECT_EQ(v.notes, (std::vector<std::string>{"taken as stated: prior"}));
@@ -475,7 +475,7 @@ TEST(VarianceComponents, Report) {
   all.est.prior(far, 2.0, 10.0);
   ASSERT_TRUE(all.est.optimize().converged);
   EXPECT_EQ(
-      all.est.varianceComponents({.shared = {{"level", "day"}}}).report(),
+      slom::varianceComponents(all.est, {.shared = {{"level", "day"}}}).report(),
       "Converged: the variances changed by less than the tolerance\n"
       "  errors of            residuals  redundancy        dof  sigma over stated\n"
       "  gps                         40       38.55       38.3  1.162 +- 0.13\n"
@@ -491,7 +491,7 @@ TEST(VarianceComponents, Errors) {
   Levelling all;
   level(all, {1, 1});
   const auto message = [&](const slom::VarianceOptions& options) {
-    return messageOf([&] { all.est.varianceComponents(options); });
+    return messageOf([&] { slom::varianceComponents(all.est, options); });
   };
   EXPECT_EQ(
       message({.max_iterations = 0}),
@@ -516,7 +516,7 @@ TEST(VarianceComponents, Errors) {
       message({.shared = {{.kind = "gps", .by = "day", .place = nowhere}}}),
       "[slom.bad-option] an error of measurements gps changes along groups with the correlation length 0; pass a positive "
       "length in the units of SharedError::place");
-  const slom::VarianceComponents v = all.est.varianceComponents();
+  const slom::VarianceComponents v = slom::varianceComponents(all.est);
   EXPECT_EQ(messageOf([&] { v.at("tape"); }),
             "[slom.no-component] there is no variance component tape; there are gps and level");
   EXPECT_EQ(
@@ -525,9 +525,9 @@ TEST(VarianceComponents, Errors) {
   const auto robust = all.est.insertMeasurement(height, all.points[0], slom::measured(0.0), slom::Huber(1.0),
                                                 slom::named("gps"));
   EXPECT_EQ(
-      messageOf([&] { all.est.apply(v); }),
+      messageOf([&] { slom::apply(v, all.est); }),
       "[slom.stale-components] the variance components belong to a problem that has changed, or to another "
-      "problem; call varianceComponents() again");
+      "problem; call slom::varianceComponents(est) again");
   all.est.optimize();
   EXPECT_EQ(
       message({}),
@@ -535,7 +535,7 @@ TEST(VarianceComponents, Errors) {
       "of good measurements; remove the outliers and insert the others without a loss, or leave this kind "
       "out of "
       "VarianceOptions::kinds");
-  EXPECT_GT(all.est.varianceComponents({.kinds = {"level"}}).components[0].factor, 0);
+  EXPECT_GT(slom::varianceComponents(all.est, {.kinds = {"level"}}).components[0].factor, 0);
   all.est.removeMeasurement(robust);
   all.est.reinitRV(all.points[0], 3.0);
   EXPECT_EQ(
@@ -547,7 +547,7 @@ TEST(VarianceComponents, Errors) {
   const auto x = priors.insertRV(0.0, "x");
   priors.prior(x, 1.0, 1.0);
   priors.optimize();
-  EXPECT_EQ(messageOf([&] { priors.varianceComponents(); }),
+  EXPECT_EQ(messageOf([&] { slom::varianceComponents(priors); }),
             "[slom.no-component] there are no measurements whose variance can be estimated; to estimate the "
             "variance of priors, name them in VarianceOptions::kinds");
 
@@ -561,7 +561,7 @@ TEST(VarianceComponents, Errors) {
   const auto by_label = slom::ClusterBy::label();
   EXPECT_EQ(
       messageOf([&] {
-        lengths.varianceComponents({.by = by_label, .shared = {{"gps", "day"}}});
+        slom::varianceComponents(lengths, {.by = by_label, .shared = {{"gps", "day"}}});
       }),
       "[slom.bad-group] measurements gps share an error by day, but the residual of gps-2 #1 has the length "
       "1, and others have 2; name kinds with residuals of one length");

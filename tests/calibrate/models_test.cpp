@@ -123,7 +123,7 @@ TEST(CameraModels, DifferentiateViews) {
   est.insertMeasurement(ViewOfLeft(view), lens, pose, named("left, known camera"));
   est.insertMeasurement(ViewOfOther(view), camera, other, pose, named("other"));
   est.insertMeasurement(ViewOfOther(view, 1, 2), lens, left2camera, pose, named("other, known camera"));
-  const DerivativeCheck check = est.checkDerivatives();
+  const DerivativeCheck check = slom::checkDerivatives(est);
   EXPECT_TRUE(check.ok()) << check;
   EXPECT_EQ(check.groups.size(), 4u);
 }

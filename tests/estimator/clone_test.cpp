@@ -95,8 +95,8 @@ TEST(Clone, FitsAsTheOriginalWouldAndLeavesItAlone) {
   }
   EXPECT_EQ(copy.jointCovariance(map.poses[1], map.points[4]),
             map.est.jointCovariance(map.poses[1], map.points[4]));
-  EXPECT_EQ(copy.clustered().standardDeviation(map.points[5]),
-            map.est.clustered().standardDeviation(map.points[5]));
+  EXPECT_EQ(slom::clustered(copy).standardDeviation(map.points[5]),
+            slom::clustered(map.est).standardDeviation(map.points[5]));
   EXPECT_EQ(copy.weight(map.sights[16]), map.est.weight(map.sights[16]));
   EXPECT_LT(copy.weight(map.sights[16]), 0.1);
 }
@@ -146,7 +146,7 @@ TEST(Clone, TakesHandlesOfTheOriginalEverywhere) {
   const auto [after, ids] = slom::posterior(copy, point);
   EXPECT_EQ(*std::get<0>(ids), *copy.own(point));
   copy.setGroup(map.sights[0], slom::group(99));
-  EXPECT_TRUE(copy.profile(point, "x").lower < (*copy.own(point))[0]);
+  EXPECT_TRUE(slom::profile(copy, point, "x").lower < (*copy.own(point))[0]);
   copy.removeMeasurement(map.sights[0]);
   EXPECT_TRUE(map.sights[0].isValid());
   EXPECT_FALSE(map.est.own(map.sights[0]) == copy.own(map.sights[1]));

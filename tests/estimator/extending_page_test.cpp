@@ -169,7 +169,7 @@ TEST(ExtendingPage, AMeasurement) {
                         slom::measured(mtk::vect<2>(5, 0)), slom::StandardDeviation(0.01));
   est.insertMeasurement(HeightDifference(), a, b, slom::measured(1.5), slom::StandardDeviation(0.002));
   est.insertMeasurement(HeightDifference(), b, a, slom::measured(-1.7), slom::StandardDeviation(0.002));
-  const slom::DerivativeCheck check = est.checkDerivatives();
+  const slom::DerivativeCheck check = slom::checkDerivatives(est);
   EXPECT_TRUE(check.ok()) << check;
   EXPECT_TRUE(est.optimize().converged);
   EXPECT_NEAR((*b)[2], 11.6, 1e-12);

@@ -333,7 +333,7 @@ TEST(FirstEstimates, AreAnOptionOfAWindow) {
 TEST(FirstEstimates, DiagnosesSeeTheGaugeOfAWindow) {
   PlanarWindow window(true);
   EXPECT_EQ(window.run(60, 1), std::pair(3, 3));
-  const Diagnosis diagnosis = window.est.diagnose();
+  const Diagnosis diagnosis = diagnose(window.est);
   EXPECT_EQ(diagnosis.rank, diagnosis.unknowns - 3);
   ASSERT_FALSE(diagnosis.findings.empty());
   EXPECT_EQ(diagnosis.findings[0].kind, Finding::Kind::gauge) << diagnosis;

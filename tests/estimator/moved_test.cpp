@@ -62,11 +62,11 @@ TEST(MovedFrom, EveryCallThrowsASentence) {
       [&] { est.setFreeGauge(slom::FreeGauge::error); },
       [&] { est.freeGauge(); },
       [&] { est.componentNames(x); },
-      [&] { est.diagnose(); },
-      [&] { est.preflight(); },
-      [&] { est.profile(x, "x"); },
-      [&] { est.outliers(); },
-      [&] { est.checkDerivatives(); },
+      [&] { slom::diagnose(est); },
+      [&] { slom::preflight(est); },
+      [&] { slom::profile(est, x, "x"); },
+      [&] { slom::outliers(est); },
+      [&] { slom::checkDerivatives(est); },
       [&] { est.warnings(); },
       [&] {
         std::ostringstream os;

@@ -208,8 +208,8 @@ class Sequence {
   void query() {
     Variable& v = anyVariable();
     (void)messageOf([&] { v.visit([&](const auto& id) { est_.covariance(id); }); });
-    (void)messageOf([&] { est_.diagnose(); });
-    (void)messageOf([&] { est_.outliers(); });
+    (void)messageOf([&] { slom::diagnose(est_); });
+    (void)messageOf([&] { slom::outliers(est_); });
     est_.warnings();
     v.visit([&](const auto& id) { return est_.getRSS(id); });
   }

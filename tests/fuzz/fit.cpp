@@ -249,8 +249,8 @@ void requireDeviations(const Estimator& est, const std::vector<Handle>& handles)
       for (const double x : s) require(x >= 0, "a standard deviation is " + std::to_string(x));
     });
   }
-  accepted([&] { require(!est.diagnose().text().empty(), "a diagnosis without a word"); });
-  accepted([&] { require(est.getM() == 0 || !est.outliers().text().empty(), "no table of outliers"); });
+  accepted([&] { require(!diagnose(est).text().empty(), "a diagnosis without a word"); });
+  accepted([&] { require(est.getM() == 0 || !outliers(est).text().empty(), "no table of outliers"); });
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ TEST(GaussianPrior, StandsForTheMeasurementsThatItWasMadeOf) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(mtk::difference(*map.poses[2 + i], fitted[i]).norm(), 1e-9);
   EXPECT_LT((est.covariance(map.poses[3]) - covariance).norm(), 1e-8 * covariance.norm());
   EXPECT_LT((est.covariance(map.poses[2], map.points[2]) - between).norm(), 1e-8 * between.norm());
-  EXPECT_TRUE(est.checkDerivatives().ok()) << est.checkDerivatives();
+  EXPECT_TRUE(checkDerivatives(est).ok()) << checkDerivatives(est);
 
   EXPECT_EQ(est.residual(prior).size(), R.rows());
   EXPECT_NEAR(est.getRSS(prior), est.residual(prior).squaredNorm(), 1e-12);
@@ -127,7 +127,7 @@ TEST(GaussianPrior, HasExactDerivativesAwayFromItsPoint) {
           .linearizedAt(direction, mtk::S2<>(3, -1, 1))
           .linearizedAt(numbers, VectorXd::Zero(4)));
   EXPECT_EQ(est.residual(id).size(), 5);
-  const DerivativeCheck check = est.checkDerivatives();
+  const DerivativeCheck check = checkDerivatives(est);
   ASSERT_EQ(check.groups.size(), 1u);
   EXPECT_EQ(check.groups[0].group, "GaussianPrior");
   EXPECT_EQ(check.groups[0].source, DerivativeSource::exact);
@@ -142,7 +142,7 @@ TEST(GaussianPrior, MayBeRankDeficientOrEmpty) {
   est.insertMeasurement(GaussianPrior({x, y}, sum, Eigen::Vector3d(-1, -2, 0)));
   const auto nothing = est.insertMeasurement(GaussianPrior({x, y}, MatrixXd(0, 2)));
   EXPECT_EQ(est.residual(nothing).size(), 0);
-  const Diagnosis diagnosis = est.diagnose();
+  const Diagnosis diagnosis = diagnose(est);
   ASSERT_EQ(diagnosis.findings.size(), 1u) << diagnosis;
   EXPECT_EQ(
       diagnosis.findings[0].text,
@@ -176,11 +176,11 @@ TEST(GaussianPrior, OfAllArityIsOneGroup) {
   EXPECT_EQ(summary.groups[1].name, "of b");
   EXPECT_NEAR(summary.groups[0].initial_rss, 8, 1e-12);  // Huber: 2 * 2 * 3 - 4
   EXPECT_NEAR(summary.groups[0].redundancy + summary.groups[1].redundancy, 15 - 7, 1e-9);
-  const OutlierReport report = est.outliers();
+  const OutlierReport report = outliers(est);
   ASSERT_EQ(report.groups.size(), 2u);
   EXPECT_EQ(report.groups[0].measurements, 3);
   EXPECT_EQ(report.groups[0].worst[0].measurement.substr(0, 15), "GaussianPrior #");
-  const Preflight preflight = est.preflight();
+  const Preflight preflight = slom::preflight(est);
   ASSERT_EQ(preflight.groups.size(), 2u);
   EXPECT_EQ(preflight.groups[0].measurements, 3);
   EXPECT_EQ(preflight.derivatives.groups.size(), 2u);
@@ -192,7 +192,7 @@ TEST(GaussianPrior, OfAllArityIsOneGroup) {
   est.fix(b);
   est.fix(c);
   EXPECT_EQ(
-      est.diagnose().findings[0].text,
+      diagnose(est).findings[0].text,
       "2 of 2 measurements GaussianPrior depend on fixed variables alone: they count in chi-square and redundancy, "
       "but determine nothing");
 }

@@ -55,7 +55,7 @@ void expectSame(LevelCamera& by_path, LevelCamera& by_function) {
   EXPECT_NEAR(by_path.est.getRSS(), by_function.est.getRSS(), 1e-8 * by_function.est.getRSS());
   EXPECT_TRUE(
       by_path.est.covariance(by_path.pose).isApprox(by_function.est.covariance(by_function.pose), 1e-6));
-  EXPECT_TRUE(by_path.est.checkDerivatives().ok()) << by_path.est.checkDerivatives();
+  EXPECT_TRUE(slom::checkDerivatives(by_path.est).ok()) << slom::checkDerivatives(by_path.est);
 }
 
 TEST(ComponentPrior, OfOneCoordinateIsTheFunctionThatReturnsIt) {

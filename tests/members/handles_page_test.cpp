@@ -41,7 +41,7 @@ TEST(HandlesPage, NumbersOfMeasurements) {
     est.insertMeasurement(datum, length, slom::measured(tape), slom::StandardDeviation(0.1),
                           slom::named("tape"));
   est.optimize();
-  const slom::OutlierReport report = est.outliers();
+  const slom::OutlierReport report = slom::outliers(est);
   const slom::GroupCheck& tape = report.groups[1];
   EXPECT_EQ(tape.name, "tape");
   EXPECT_EQ(tape.worst[0].measurement, "tape #5");
@@ -67,7 +67,7 @@ TEST(HandlesPage, NumbersStayWhenOthersAreRemoved) {
   est.removeMeasurement(first);
   insert(0.05);
   est.optimize();
-  const slom::GroupCheck group = est.outliers().groups[0];
+  const slom::GroupCheck group = slom::outliers(est).groups[0];
   EXPECT_EQ(group.worst[0].measurement, "datum #4");
   for (const slom::MeasurementCheck& check : group.worst) EXPECT_NE(check.measurement, "datum #1");
 }

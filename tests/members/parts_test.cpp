@@ -99,7 +99,7 @@ TEST(FixedComponents, EveryMaskIsTheProblemWithoutThem) {
       EXPECT_TRUE(summary.converged) << mask << ": " << summary.message;
       EXPECT_EQ(plane.est.getN(), static_cast<int>(free.size()));
       EXPECT_EQ(summary.redundancy, 8 - static_cast<int>(free.size()));
-      EXPECT_EQ(plane.est.diagnose().rank, static_cast<int>(free.size()));
+      EXPECT_EQ(slom::diagnose(plane.est).rank, static_cast<int>(free.size()));
       for (int c = 0; c < 6; ++c) {
         EXPECT_TRUE((mask >> c & 1) == 0 || plane.values()[c] == start[c]) << mask;
       }
@@ -299,7 +299,7 @@ TEST(Bounds, OfAVariableWithOneComponentNeedNoName) {
     est.prior(id, target, 1);
     est.bound(id, 0, 2);
     EXPECT_EQ(est.optimize().active_bounds.size(), 1u);
-    EXPECT_EQ(est.profile(id).upper, 2);
+    EXPECT_EQ(slom::profile(est, id).upper, 2);
     est.bound(id, -inf, inf);
     EXPECT_EQ(est.optimize().active_bounds.size(), 0u);
     EXPECT_EQ(*id, target);

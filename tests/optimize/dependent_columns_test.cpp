@@ -86,7 +86,7 @@ TEST(NearlyDependent, SolverAndDiagnosisAgree) {
     Linear(apart, 1).insert(est);
     const bool is_determined = est.optimize().stop_reason != slom::StopReason::rank_deficient;
     EXPECT_EQ(is_determined, apart >= 1e-9) << apart;
-    EXPECT_EQ(est.diagnose().rank == 3, is_determined) << apart;
+    EXPECT_EQ(slom::diagnose(est).rank == 3, is_determined) << apart;
   }
 }
 

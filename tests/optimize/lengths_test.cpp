@@ -107,7 +107,7 @@ TEST(Lengths, ASolverMayNotSayWhichUnknownIsToBlame) {
   EXPECT_EQ(
       messageWith(Fault::nameless),
       "[summary] [slom.rank-deficient] the solver found no unique solution and does not name an unknown; "
-      "diagnose() lists what is not determined");
+      "slom::diagnose(est) lists what is not determined");
 }
 
 TEST(Lengths, OfAUsersAlgorithmAreChecked) {

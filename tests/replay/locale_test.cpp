@@ -97,8 +97,8 @@ TEST(Locale, SavedProblemsHavePoints) {
 TEST(Locale, ReportsHavePoints) {
   const auto reports = [] {
     Estimator est = networkInMemory();
-    const std::string report = est.preflight().text() + est.optimize().report() + est.diagnose().text();
-    return report + est.outliers().text();
+    const std::string report = preflight(est).text() + est.optimize().report() + diagnose(est).text();
+    return report + outliers(est).text();
   };
   const std::string classic = reports();
   EXPECT_NE(classic.find("0.0554695"), std::string::npos) << classic;

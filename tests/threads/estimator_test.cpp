@@ -73,7 +73,7 @@ Outcome fitted(int pose_count, int point_count, std::unique_ptr<slom::LinearSolv
     outcome.numbers.insert(outcome.numbers.end(), {pose->pos[0], pose->pos[1], pose->orient.angle()});
     for (const double s : marginals.standardDeviation(pose)) outcome.numbers.push_back(s);
   }
-  for (const auto& group : map.est.outliers().groups) outcome.numbers.push_back(group.redundancy);
+  for (const auto& group : slom::outliers(map.est).groups) outcome.numbers.push_back(group.redundancy);
   return outcome;
 }
 

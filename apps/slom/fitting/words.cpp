@@ -12,17 +12,17 @@ struct Phrase {
 };
 
 constexpr std::array<Phrase, 11> phrases{{
-    {"derivatives may be wrong (checkDerivatives() compares them with differences), residuals may jump",
+    {"derivatives may be wrong (slom::checkDerivatives(est) compares them with differences), residuals may jump",
      "residuals may jump"},
-    {" (checkDerivatives() compares them with differences)", ""},
+    {" (slom::checkDerivatives(est) compares them with differences)", ""},
     {", pass a larger scale, or set Options::graduated_non_convexity", " or pass a larger scale to --robust"},
     {"fix a variable with fix(id) or a part of it with fix(id, \"path\"), or use LevenbergMarquardt to get one "
      "of the many solutions",
      "fix a variable in the file, or pass --algorithm lm to get one of the many solutions"},
     {"fix it with fix(id)", "fix it in the file"},
     {"start nearer, or use LevenbergMarquardt", "start nearer, or pass --algorithm lm"},
-    {"; outliers() names the worst data, Sigma::estimated takes the scale from the residuals", ""},
-    {"; diagnose() lists what is not determined", "; add measurements"},
+    {"; slom::outliers(est) names the worst data, Sigma::estimated takes the scale from the residuals", ""},
+    {"; slom::diagnose(est) lists what is not determined", "; add measurements"},
     {", or BlockQR, which needs", ", or --solver qr, which needs"},
     {"; raise max_iterations", "; raise --max-iterations"},
     {"optimize()", "the batch fit"},

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <slom/analyze/diagnosis.hpp>
 #include <slom/io/g2o.hpp>
 
 #include "error.hpp"
@@ -96,7 +97,7 @@ void warnOfWeakDirections(const Estimator& est, Summary& summary) {
   constexpr std::size_t most_named = 3;
   if (summary.unknowns > most_unknowns) return;
   std::vector<std::string> weak;
-  for (const Finding& finding : est.diagnose().findings) {
+  for (const Finding& finding : diagnose(est).findings) {
     if (finding.kind == Finding::Kind::weak) weak.push_back(finding.text);
   }
   if (weak.size() > most_named) {

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <slom/analyze/diagnosis.hpp>
+
 #include "error.hpp"
 #include "fitting/fit_limits.hpp"
 #include "fitting/fit_options.hpp"
@@ -94,7 +96,7 @@ void run(const Settings& settings) {
   RunReport report;
   report.threads = threadsOf(fit);
   report.load_seconds = total.seconds();
-  if (settings.diagnose) console.print(asUserError([&] { return est.diagnose(); }).text() + "\n");
+  if (settings.diagnose) console.print(asUserError([&] { return slom::diagnose(est); }).text() + "\n");
   Options options;
   options.max_iterations = fit.max_iterations;
   options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };

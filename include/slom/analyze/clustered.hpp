@@ -3,7 +3,7 @@
 ///
 ///     est.insertMeasurement(f, pose, lens, slom::measured(z), slom::group("image", i));
 ///     ...
-///     const slom::Clustered c = est.clustered({.by = {"image"}});
+///     const slom::Clustered c = slom::clustered(est, {.by = {"image"}});
 ///     std::cout << c.standardDeviation(lens).transpose() << "\n";
 ///
 /// The covariance is the sandwich H^-1 (sum_g s_g s_g^T) H^-1 with H = J^T J and the whitened scores s_g = J_g^T A_g
@@ -31,7 +31,12 @@
 
 namespace slom {
 
+class Estimator;
 struct Summary;
+
+namespace detail {
+struct AnalysisAccess;
+}
 
 /// Correction of the residuals r_g of a group, which are smaller than its errors. H_gg = J_g H^-1 J_g^T is the leverage
 /// of the group.
@@ -276,11 +281,11 @@ class Clustered {
   }
 
   struct State;
-  /// Called by Estimator::clustered.
+  /// Called by slom::clustered.
   explicit Clustered(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
  private:
-  friend class Estimator;
+  friend struct detail::AnalysisAccess;
   enum class Kind : std::uint8_t { dof, interval, stated_share };
 
   template <class T>
@@ -312,5 +317,11 @@ class Clustered {
 
   std::shared_ptr<State> state_;
 };
+
+/// Returns covariances for errors that measurements share within groups (slom::group and other ways), at the values of
+/// the fit. Throws [slom.no-groups], [slom.bad-group], [slom.too-few-groups], [slom.not-a-minimum] and as
+/// Estimator::covariance does.
+Clustered clustered(const Estimator& est);
+Clustered clustered(const Estimator& est, const ClusterOptions& options);
 
 }  // namespace slom

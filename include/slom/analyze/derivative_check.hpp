@@ -10,6 +10,8 @@
 
 namespace slom {
 
+class Estimator;
+
 /// The worst entry of the Jacobians of one group of measurements.
 struct GroupDerivativeCheck {
   std::string group;        ///< label or type of the measurements
@@ -42,6 +44,10 @@ struct DerivativeCheck {
 };
 
 std::ostream& operator<<(std::ostream& os, const DerivativeCheck& check);
+
+/// Compares the derivatives of all measurements at the current values with differences. Reports the worst entry of each
+/// group by name and, if it is wrong, a guess at the cause. Slow; meant for development.
+DerivativeCheck checkDerivatives(const Estimator& est);
 
 /// Evaluates measurements at the current values and differentiates them by extrapolated central differences. Takes all
 /// of them, or `most_of_group` of each group, spread evenly.

@@ -9,6 +9,8 @@
 
 namespace slom {
 
+class Estimator;
+
 /// A quantity that the measurements do not or hardly determine, in a sentence.
 struct Finding {
   enum class Kind {
@@ -47,5 +49,10 @@ struct Diagnosis {
 };
 
 std::ostream& operator<<(std::ostream& os, const Diagnosis& diagnosis);
+
+/// Examines the problem at the current values: its rank, the unknowns that are not or hardly determined, by the user's
+/// names, and what to do about them. If all unknowns are well determined, this takes as long as 10 to 30 iterations of
+/// the fit (bench_growth); if many are hardly determined, longer.
+Diagnosis diagnose(const Estimator& est);
 
 }  // namespace slom

@@ -1,6 +1,6 @@
 /// Confidence intervals of all parameters of a fit as a table.
 ///
-///     std::cout << est.intervals();                 // text; .markdown() and .csv() for pages and programs
+///     std::cout << slom::intervals(est);            // text; .markdown() and .csv() for pages and programs
 #pragma once
 
 #include <iosfwd>
@@ -11,19 +11,22 @@
 
 namespace slom {
 
+class Clustered;
+class Estimator;
+
 /// The interval of a component.
 struct ParameterInterval {
   std::string name;
   double value = 0;               ///< as ParameterSummary::value
   double standard_deviation = 0;  ///< as ParameterSummary; 0 for a component at its bound
   double lower = 0, upper = 0;    ///< in the units of the value
-  /// True: by profile likelihood, as Estimator::profile. False for components that are not coordinates, such as those
+  /// True: by profile likelihood, as slom::profile. False for components that are not coordinates, such as those
   /// of rotations. Their interval is the value plus and minus Student's or the normal quantile times the standard
   /// deviation.
   bool is_profile = true;
 };
 
-/// Result of Estimator::intervals().
+/// Result of slom::intervals.
 struct IntervalTable {
   double probability = 0.95;  ///< probability that an interval contains the true value
   std::vector<ParameterInterval> rows;
@@ -39,5 +42,11 @@ struct IntervalTable {
 
 /// Prints text().
 std::ostream& operator<<(std::ostream& os, const IntervalTable& table);
+
+/// Returns the intervals of all unknowns, each as from slom::profile. Intervals of components that are not coordinates
+/// come from their standard deviations. Throws as slom::profile does.
+IntervalTable intervals(Estimator& est, double probability = 0.95);
+/// Returns the intervals of all unknowns for errors that measurements share, as from slom::profile with `clustered`.
+IntervalTable intervals(Estimator& est, const Clustered& clustered, double probability = 0.95);
 
 }  // namespace slom

@@ -22,6 +22,8 @@
 
 namespace slom {
 
+class Estimator;
+
 /// Redundancy below which a measurement is hardly checkable: less than 10 % of an error shows in its residual.
 ///   source   Foerstner and Wrobel, "Photogrammetric Computer Vision", 2016, section 4.6 (classes of redundancy
 ///            numbers)
@@ -97,5 +99,9 @@ struct OutlierReport {
 };
 
 std::ostream& operator<<(std::ostream& os, const OutlierReport& report);
+
+/// Tests each measurement against all others, at the values of the fit: studentised residual, redundancy, p-value of
+/// the residual, and how far the fit would move without the measurement. Throws as Estimator::covariance does.
+OutlierReport outliers(const Estimator& est, const OutlierOptions& options = {});
 
 }  // namespace slom

@@ -9,6 +9,8 @@
 
 namespace slom {
 
+class Estimator;
+
 /// The measurements with one label or of one type at the start values.
 struct PreflightGroup {
   std::string name;
@@ -34,5 +36,9 @@ struct Preflight {
 };
 
 std::ostream& operator<<(std::ostream& os, const Preflight& preflight);
+
+/// Checks the problem before solving. Evaluates every measurement once at the current values, compares derivatives of
+/// some of each group, counts residuals, and diagnoses the rest. Throws nothing for what it finds.
+Preflight preflight(const Estimator& est);
 
 }  // namespace slom

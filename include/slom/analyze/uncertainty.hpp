@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <iosfwd>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,14 +31,6 @@ enum class FreeGauge {
   /// directions N.
   inner_constraints,
 };
-
-/// A confidence interval of a coordinate.
-struct ProfileInterval {
-  double value, lower, upper;
-};
-
-/// Prints the interval: `39.99 in [39.97, 40.01]`.
-std::ostream& operator<<(std::ostream& os, const ProfileInterval& interval);
 
 namespace detail {
 /// Returns the square roots of the diagonal of C. Loops, here and below, compile faster than expressions.

@@ -1,9 +1,9 @@
 /// Variance components: the size of the errors of each kind of measurement, from the residuals of a fit, by restricted
 /// maximum likelihood.
 ///
-///     const slom::VarianceComponents v = est.varianceComponents();
+///     const slom::VarianceComponents v = slom::varianceComponents(est);
 ///     std::cout << v.report();
-///     est.apply(v);        // sets the stated standard deviations to the estimated ones
+///     slom::apply(v, est);     // sets the stated standard deviations to the estimated ones
 ///     est.optimize();
 ///
 /// All stated covariances of kind k are assumed to be wrong by one factor theta_k = f_k^2. The restricted likelihood is
@@ -85,7 +85,7 @@ struct VarianceComponent {
   std::pair<double, double> interval(double probability = 0.95) const;
 };
 
-/// Factors of the stated standard deviations. The problem is unchanged until Estimator::apply.
+/// Factors of the stated standard deviations. The problem is unchanged until slom::apply.
 struct VarianceComponents {
   bool converged = false;
   int iterations = 0;
@@ -105,8 +105,19 @@ struct VarianceComponents {
   std::string report() const;
 
   struct Assignment;
-  std::shared_ptr<const Assignment> assignment;  ///< for Estimator::apply
+  std::shared_ptr<const Assignment> assignment;  ///< for slom::apply
   std::vector<double> correlations;              ///< for pairs of components
 };
+
+/// Estimates the size of the errors of each kind of measurement, relative to the stated ones, and of the errors that
+/// groups share. Works at the values of the fit and keeps them. Throws [slom.not-a-minimum], [slom.no-component],
+/// [slom.components-with-loss], [slom.no-groups], [slom.bad-group], [slom.bad-option] and as Estimator::covariance
+/// does.
+VarianceComponents varianceComponents(const Estimator& est);
+VarianceComponents varianceComponents(const Estimator& est, const VarianceOptions& options);
+/// Multiplies the stated standard deviations of each kind by its factor, for all later computations. Call optimize()
+/// afterwards. Shared errors are not changed. To include them in the fit, add a variable with a prior for each group.
+/// Throws [slom.stale-components].
+void apply(const VarianceComponents& components, Estimator& est);
 
 }  // namespace slom

@@ -2,7 +2,7 @@
 /// insertMeasurement.
 ///
 ///     est.insertMeasurement(f, pose, lens, slom::measured(z), slom::group("image", 17), slom::group("corner", 3));
-///     const slom::Clustered c = est.clustered({.by = {"image"}});
+///     const slom::Clustered c = slom::clustered(est, {.by = {"image"}});
 ///
 /// Groups do not affect a fit, only its uncertainty if requested (slom/analyze/clustered.hpp).
 #pragma once

@@ -24,7 +24,7 @@ struct StepRecord {
   /// Number of directions in which the unknowns can move without changing a residual. 0 if the step solved an undamped
   /// system with a unique solution. After other steps they are counted at the new values, in problems with at most
   /// kMostUnknowns unknowns and kMostResiduals residuals. In larger problems the value is kNotCounted;
-  /// Estimator::diagnose() counts them.
+  /// slom::diagnose counts them.
   int free_directions = kNotCounted;
   double seconds = 0;   ///< time of the step, without counting free directions
   PhaseSeconds phases;  ///< parts of `seconds`

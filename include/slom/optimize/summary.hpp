@@ -211,7 +211,7 @@ struct Summary {
   double initial_rss = 0;
   double final_rss = 0;
   /// Largest number of unknowns for which free_directions is counted. Larger fits have so much redundancy that a gauge
-  /// does not matter. They may report free_directions = 0 although there are some; diagnose() counts them.
+  /// does not matter. They may report free_directions = 0 although there are some; slom::diagnose counts them.
   static constexpr int kMostCounted = 5000;
   double seconds = 0;
   PhaseSeconds phases;  ///< parts of `seconds`

@@ -89,9 +89,10 @@ Clustered::State::State(const std::shared_ptr<const LinearizedProblem>& problem,
 const LinearizedProblem& Clustered::State::problem() const {
   const std::shared_ptr<const LinearizedProblem> now = linearized.lock();
   if (now != nullptr && now->isCurrent()) return *now;  // the estimator keeps it alive
-  throw Error("slom.stale-clustered",
-              "the clustered covariances belong to a fit that has changed or is gone; call clustered() again",
-              "Clustered");
+  throw Error(
+      "slom.stale-clustered",
+      "the clustered covariances belong to a fit that has changed or is gone; call slom::clustered(est) again",
+      "Clustered");
 }
 
 const Clustered::State::Level& Clustered::State::level(int l) {

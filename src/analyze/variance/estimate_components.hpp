@@ -14,7 +14,7 @@ struct [[gnu::visibility(
   std::vector<std::vector<int>> of_pool;  ///< by pool and measurement: its component; -1: none
 };
 
-/// Estimates the components. Throws as varianceComponents() does, except for [slom.not-a-minimum].
+/// Estimates the components. Throws as slom::varianceComponents() does, except for [slom.not-a-minimum].
 VarianceComponents estimateComponents(const LinearizedProblem& linearized, FreeGauge gauge,
                                       const VarianceOptions& options);
 

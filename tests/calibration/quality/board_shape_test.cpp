@@ -258,9 +258,9 @@ TEST(BoardShape, ClusteredDeviationsAreThoseOfTheLibrary) {
     }
   }
   EXPECT_TRUE(est.optimize().converged);
-  EXPECT_TRUE(est.checkDerivatives().ok());
+  EXPECT_TRUE(checkDerivatives(est).ok());
   const MatrixXd expected =
-      est.clustered({.by = {"image"}, .correction = ClusterCorrection::cr2}).covariance(camera);
+      clustered(est, {.by = {"image"}, .correction = ClusterCorrection::cr2}).covariance(camera);
   const MatrixXd K = scores.root(), V = K * scores.byBlocks(1).V * K.transpose();
   for (int i = 0; i < 9; ++i) EXPECT_NEAR(V(i, i), expected(i, i), 0.05 * expected(i, i)) << i;
 }

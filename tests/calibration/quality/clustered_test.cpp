@@ -73,8 +73,8 @@ TEST(ClusteredCalibration, EqualsThatOfTheLibrary) {
   const Oracle oracle(rig);
   EXPECT_LT(largestRelativeDifference(K * K.transpose(), oracle.est.covariance(oracle.camera)), 1e-4);
   for (const int length : {1, 2}) {
-    const Clustered core =
-        oracle.est.clustered({.by = {length == 1 ? "image" : "pair"}, .correction = ClusterCorrection::cr2});
+    const Clustered core = slom::clustered(
+        oracle.est, {.by = {length == 1 ? "image" : "pair"}, .correction = ClusterCorrection::cr2});
     const GroupSums sums = scores.byBlocks(length);
     EXPECT_EQ(sums.groups, length == 1 ? 21 : 10);
     EXPECT_LT(largestRelativeDifference(K * sums.V * K.transpose(), core.covariance(oracle.camera)), 1e-4);
@@ -84,7 +84,7 @@ TEST(ClusteredCalibration, EqualsThatOfTheLibrary) {
   const BoardPointSums points = scores.byBoardPoints(2);
   const double n = points.points;
   EXPECT_EQ(n, 30);
-  const MatrixXd raw = oracle.est.clustered({.by = {"corner"}, .correction = ClusterCorrection::cr0})
+  const MatrixXd raw = slom::clustered(oracle.est, {.by = {"corner"}, .correction = ClusterCorrection::cr0})
                            .covariance(oracle.camera);
   EXPECT_LT(largestRelativeDifference(K * points.by_point * K.transpose() * ((n - 1) / n), raw), 1e-4);
   EXPECT_GT(points.dof, 15);

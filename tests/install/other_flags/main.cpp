@@ -45,10 +45,10 @@ void askForMotions() {
   const auto a = est.insertRV(Pose(), "a"), b = est.insertRV(Pose(), "b"), c = est.insertRV(Pose(), "c");
   est.insertMeasurement(slom::RelativePose(), a, b, slom::measured(Pose()), slom::StandardDeviation(0.1));
   est.insertMeasurement(slom::RelativePose(), b, c, slom::measured(Pose()), slom::StandardDeviation(0.1));
-  require(est.diagnose().findings.at(0).kind == slom::Finding::Kind::gauge, "gauge");
+  require(slom::diagnose(est).findings.at(0).kind == slom::Finding::Kind::gauge, "gauge");
   est.setFreeGauge(slom::FreeGauge::inner_constraints);
   est.optimize();
-  require(est.covariance(b).allFinite() && est.outliers().suspects() == 0, "free network");
+  require(est.covariance(b).allFinite() && slom::outliers(est).suspects() == 0, "free network");
   try {
     const Eigen::MatrixXd covariance = -Eigen::MatrixXd::Identity(6, 6);
     est.insertMeasurement(slom::RelativePose(), a, c, slom::measured(Pose()), slom::Covariance(covariance));

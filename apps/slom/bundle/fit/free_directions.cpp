@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include <slom/analyze/diagnosis.hpp>
 #include <slom/estimator.hpp>
 
 #include "bundle/fit/parts.hpp"
@@ -95,7 +96,7 @@ class Count {
       est.insertMeasurement(io::CameraProjection(), camera,
                             est.insertRV(scene_.points[std::size_t(p)], false), measured(mtk::vect<2>(0, 0)));
     }
-    return est.diagnose().rank == 2 * int(points.size());
+    return slom::diagnose(est).rank == 2 * int(points.size());
   }
 
   void diagnose(const Part& part) {
@@ -136,7 +137,7 @@ class Count {
         est.insertMeasurement(io::CameraProjection(), cameras[std::size_t(c)], point,
                               measured(mtk::vect<2>(0, 0)));
     }
-    return est.diagnose();
+    return slom::diagnose(est);
   }
 
   const Scene& scene_;

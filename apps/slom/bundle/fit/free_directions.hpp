@@ -27,7 +27,7 @@ inline constexpr std::size_t few_points = 4;
 /// as some iterations of the fit.
 ///   points that one camera sees     1 direction each, along the ray
 ///   cameras of at most few_points   9 - 2 for each point, if their images are independent
-///   the rest                        part by part, by Estimator::diagnose()
+///   the rest                        part by part, by slom::diagnose(est)
 FreeDirections countFreeDirections(const Scene& scene, int threads, bool may_take_long);
 
 }  // namespace slom::app::bundle
