@@ -32,7 +32,7 @@ BoardPlane fitPlane(const std::vector<Corner>& corners) {
         "corners");
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
-      scatter);  // eigenvalues rise: the normal comes first
+      scatter);  // ascending eigenvalues: the normal comes first
   Eigen::Matrix3d axes;
   axes.col(0) = eigen.eigenvectors().col(2);
   axes.col(2) = eigen.eigenvectors().col(0);
@@ -43,7 +43,7 @@ BoardPlane fitPlane(const std::vector<Corner>& corners) {
 
 namespace {
 
-/// Whether the points of these sums (x, y, xx, xy, yy) lie on a line.
+/// Returns whether the points with these sums (x, y, xx, xy, yy) lie on a line.
 bool onLine(const Eigen::Matrix<double, 5, 1>& sums, double count, double tolerance) {
   const Eigen::Matrix<double, 5, 1> mean = sums / count;
   Eigen::Matrix2d scatter;

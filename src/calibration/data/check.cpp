@@ -15,15 +15,17 @@
 namespace slom::calibration {
 namespace {
 
-constexpr double world_line_tolerance = 1e-4;  // boards are known to better than this part of their size
+constexpr double world_line_tolerance =
+    1e-4;  // relative to the size of the board; boards are known more exactly than this
 constexpr double pixel_line_tolerance = 2e-3;  // 1 px over a board that fills 500 px
-constexpr double plane_tolerance = 0.05;       // bent boards are welcome, other targets are not
+constexpr double plane_tolerance =
+    0.05;  // relative to the size of the board; allows for bent boards, not for targets that are not flat
 
 std::string firstPlace(const CameraData& camera) {
   return camera.place(camera.views.front(), camera.views.front().corners.front());
 }
 
-/// One point of the board, under one number, at two pixels: at most one of them can be right.
+/// Throws if a point of the board has two pixels under one number, because at most one of them can be right.
 void requireEachPointOnce(const CameraData& camera, const View& view) {
   std::map<std::tuple<int, double, double, double>, const Corner*> known;
   for (const Corner& corner : view.corners) {
@@ -83,7 +85,7 @@ void checkView(const CameraData& camera, const View& view) {
   }
 }
 
-/// A point of the board that is at the same pixel twice, under two numbers, was measured once.
+/// Throws if a point of the board is twice at the same pixel, under two numbers: it was measured once.
 void requireNoRepeatedCorner(const CameraData& camera, const View& view) {
   std::vector<const Corner*> corners;
   for (const Corner& corner : view.corners) corners.push_back(&corner);
@@ -128,7 +130,7 @@ void checkViews(const CameraData& camera) {
 }
 
 void checkConnected(const Dataset& data) {
-  std::set<int> reached;  // images of the cameras tied to the first one so far
+  std::set<int> reached;  // images of the cameras connected to the first one so far
   std::vector<bool> tied(data.cameras.size(), false);
   const auto shares = [&](const View& view) { return reached.empty() || reached.contains(view.image); };
   for (bool grew = true; grew;) {

@@ -12,7 +12,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Numbers beyond these are mistakes, or have squares that are not finite.
+/// Numbers that a setting may have. Others are mistakes, or have squares that are not finite.
 struct Range {
   double least, most;
   const char* unit;
@@ -37,14 +37,15 @@ void requireWithin(const char* setting, double value, const Range& range) {
       setting);
 }
 
-/// What a parameter of a lens can be, by the first letter of its name: the focal lengths, the principal point, and the others.
+/// Returns the possible values of a lens parameter, by the first letter of its name: focal length (f), principal
+/// point (c), or another.
 Range rangeOf(const std::string& parameter) {
   if (parameter.starts_with('f')) return {1e-3, 1e9, " px"};
   if (parameter.starts_with('c')) return {-1e6, 1e6, " px"};
   return {-1e6, 1e6, ""};
 }
 
-/// The values that a constraint leaves are, or contain, such as a lens may have.
+/// Throws if the values that a constraint allows contain none that a lens may have.
 void requirePossible(const LensConstraint& constraint) {
   const auto& [camera, parameter, lower, upper] = constraint;
   const Range range = rangeOf(parameter);
@@ -56,7 +57,7 @@ void requirePossible(const LensConstraint& constraint) {
                 parameter);
 }
 
-/// No parameter of a camera is constrained twice.
+/// Throws if a parameter of a camera is constrained twice.
 void requireConstraintsOnce(const std::vector<LensConstraint>& constraints) {
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -100,7 +101,7 @@ void requireNumbers(const Settings& settings) {
   }
 }
 
-/// A constraint is about a parameter and a camera that there are, and says what is possible.
+/// Throws if a constraint names a parameter or camera that does not exist, or allows no possible value.
 void requireSense(const LensConstraint& constraint, const Model& model, const Dataset& data) {
   const auto& [camera, parameter, lower, upper] = constraint;
   const std::vector<std::string>& parameters = model.parameters();

@@ -13,7 +13,7 @@
 namespace slom::calibration {
 namespace {
 
-/// The three of `numbers` that are nearest to `wanted`, rising.
+/// Returns the three of `numbers` nearest to `wanted`, ascending.
 std::vector<int> nearest(std::vector<int> numbers, int wanted) {
   constexpr std::size_t most = 3;
   std::stable_sort(numbers.begin(), numbers.end(),
@@ -23,7 +23,7 @@ std::vector<int> nearest(std::vector<int> numbers, int wanted) {
   return numbers;
 }
 
-/// `17`, `17:5`, `left.17:5`.
+/// Returns `17`, `17:5` or `left.17:5`.
 std::string nameOf(const Exclusion& exclusion) {
   return fmt::format("{}{}{}{}", exclusion.camera, exclusion.camera.empty() ? "" : ".", exclusion.image,
                      exclusion.corner ? fmt::format(":{}", *exclusion.corner) : "");
@@ -69,7 +69,7 @@ void requireImage(const Dataset& data, const Exclusion& exclusion) {
                     fmt::format("name the camera, as in {}.{}", names.front(), nameOf(exclusion)));
 }
 
-/// An image or a corner that earlier exclusions have taken out of all cameras that are meant.
+/// Throws if earlier exclusions have removed the image or corner from all cameras that the exclusion names.
 void requireNotGone(const Dataset& rest, const Exclusion& exclusion) {
   for (const CameraData& camera : rest.cameras) {
     const auto is_gone = [&](const Exclusion& one) {
