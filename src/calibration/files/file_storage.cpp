@@ -1,4 +1,5 @@
-// Corners in files of OpenCV's FileStorage: what its calibration samples write, and what users write with the names that OpenCV's functions have.
+// Corners in files of OpenCV's FileStorage, as written by its calibration samples, or by users with the parameter
+// names of OpenCV's functions.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -16,9 +17,9 @@ namespace slom::calibration {
 namespace {
 
 constexpr int most_board_side = 1000, most_entries = 100'000'000;
-constexpr double not_metres = 0.5;  // squares this long are of another unit, or of none
+constexpr double not_metres = 0.5;  // squares at least this long are in another unit, or in none
 
-/// `image_points`, `imagePoints` and `Image_Points` are one key.
+/// Returns the key in lower case without underscores: `image_points`, `imagePoints` and `Image_Points` are one key.
 std::string plainKey(std::string_view key) {
   std::string plain;
   for (const char c : key) {
@@ -32,7 +33,7 @@ struct KeyedNode {
   const Node* node = nullptr;
 };
 
-/// The first entry with one of these keys.
+/// Returns the first entry with one of these keys.
 KeyedNode entryOf(const Node& map, std::initializer_list<std::string_view> plain_keys) {
   for (std::size_t i = 0; i < map.keys.size(); ++i) {
     const std::string plain = plainKey(map.keys[i]);
@@ -42,13 +43,13 @@ KeyedNode entryOf(const Node& map, std::initializer_list<std::string_view> plain
   return {};
 }
 
-/// Numbers with the lines that they stand in.
+/// Numbers, each with its line in the file.
 struct Numbers {
   std::vector<double> values;
   std::vector<int> lines;
 };
 
-/// Points of one image or several.
+/// A file with the points of one or more images.
 class Storage {
  public:
   Storage(const Document& document, const BoardOfFiles& board) : document_(document), board_(board) {}
@@ -96,7 +97,7 @@ class Storage {
             shortened(fmt::format("{}", fmt::join(root.keys, ", ")), longest_quote)));
   }
 
-  /// Adds a number, or all numbers of lists within lists.
+  /// Appends a number, or all numbers of nested lists.
   void append(const Node& node, std::string_view key, double most, Numbers& numbers) const {
     if (node.kind == Node::Kind::map) return appendMatrix(node, key, most, numbers);
     if (node.kind == Node::Kind::list) {
@@ -115,7 +116,7 @@ class Storage {
     return *found;
   }
 
-  /// Sides of a matrix, its channels last.
+  /// Returns the sides of a matrix, followed by its number of channels.
   std::vector<int> shapeOf(const Node& matrix, std::string_view key) const {
     std::vector<int> shape;
     if (const Node* const sizes = matrix.find("sizes")) {
@@ -149,7 +150,7 @@ class Storage {
                                  count, expected));
   }
 
-  /// Cuts one list of all images into those of each.
+  /// Cuts one list of the numbers of all images into a list for each image.
   std::vector<Numbers> cut(const Numbers& all, std::size_t images) const {
     std::vector<Numbers> parts(images);
     const std::size_t each = images == 0 ? 0 : all.values.size() / images;
@@ -161,7 +162,8 @@ class Storage {
     return parts;
   }
 
-  /// The numbers of each image, `dimension` for a point: of a matrix with a row for each image, or of a list with an entry for each.
+  /// Returns the numbers of each image, `dimension` for each point. Takes a matrix with a row for each image, or a
+  /// list with an entry for each.
   std::vector<Numbers> byImage(const KeyedNode& entry, std::size_t dimension, double most) const {
     const Node& node = *entry.node;
     std::vector<Numbers> images;
@@ -190,7 +192,7 @@ class Storage {
     return images;
   }
 
-  /// A list of single points is that of one board.
+  /// Joins a list of single points into one board.
   static std::vector<Numbers> inOne(std::vector<Numbers> entries) {
     const bool are_points = std::all_of(entries.begin(), entries.end(),
                                         [](const Numbers& one) { return one.values.size() == 3; });
@@ -201,7 +203,7 @@ class Storage {
     return entries;
   }
 
-  /// Has a list for each image, or one list for all images.
+  /// Returns the points of each image, or one list of points for all images.
   std::vector<std::vector<vec3>> objectPoints(const KeyedNode& entry,
                                               const std::vector<Numbers>& pixels) const {
     const std::vector<Numbers> numbers = inOne(byImage(entry, 3, most_corner_m));
@@ -231,7 +233,7 @@ class Storage {
     return world;
   }
 
-  /// To metres: the nearest points that follow each other are a square apart.
+  /// Converts to metres. The smallest distance between successive points is the side of a square.
   void scale(std::vector<std::vector<vec3>>& world, double nearest, const KeyedNode& entry) const {
     if (board_.square_m > 0 && std::isfinite(nearest)) {
       for (auto& points : world) {
@@ -249,7 +251,7 @@ class Storage {
                      .remedy = "state the side of a square in BoardOfFiles"});
   }
 
-  /// A board of the size that the file or the user says, which must agree.
+  /// Returns the points of a board of the size stated by the file or the user. If both state a size, they must agree.
   std::vector<std::vector<vec3>> grid(const Node& root, const KeyedNode& points,
                                       const std::vector<Numbers>& pixels) const {
     BoardOfFiles board = board_;
@@ -295,7 +297,7 @@ class Storage {
                      document_.whole(both.node->items[1], both.key, 1, most_side_px)};
   }
 
-  /// By the list of names, where there is one.
+  /// Names the images by the file's list of names, if there is one.
   void nameImages(const Node& root, std::vector<GridImage>& images) const {
     const KeyedNode names =
         entryOf(root, {"imagelist", "images", "imagenames", "imagefiles", "filenames", "files"});
