@@ -14,10 +14,11 @@ namespace {
 using Kind = ResidualPattern::Kind;
 
 constexpr double by_chance = 0.005;  // probability
-// What matters less is found in many images, too.
+// Smaller patterns than these are significant in many images, too, but harmless.
 constexpr double correlated = 0.1;
-constexpr double part_of_points = 0.01;        // of points of the board, of which there are many
-constexpr double part_of_places = 0.002;       // what a lens cannot follow moves its parameters, too
+constexpr double part_of_points = 0.01;  // of the many points of the board
+constexpr double part_of_places =
+    0.002;  // the lens absorbs a part of such a pattern, which moves its parameters
 constexpr double part_of_one_unknown = 0.001;  // moves a calibration by many of its standard deviations
 constexpr double much_larger = 1.25;
 

@@ -12,11 +12,11 @@
 namespace slom::calibration {
 namespace {
 
-constexpr double far_off = 4;      // corner: distance over RMS, which noise exceeds once in 10^7 corners
-constexpr double much_worse = 3;   // image: chi2 per measurement over the median
-constexpr double too_noisy = 1.5;  // corners: observed over stated sigma
-constexpr double halves_disagree = 1e-3;     // probability
-constexpr double halves_differ = 1.5;        // over what noise gives
+constexpr double far_off = 4;             // corner: distance over RMS; noise exceeds it once in 10^7 corners
+constexpr double much_worse = 3;          // image: chi2 per measurement over the median
+constexpr double too_noisy = 1.5;         // corners: observed sigma over stated sigma
+constexpr double halves_disagree = 1e-3;  // probability
+constexpr double halves_differ = 1.5;     // RMS over what noise gives
 constexpr double much_more_than_stated = 2;  // clustered over stated standard deviations
 
 double medianChi2(const Result& result) {
@@ -82,7 +82,7 @@ void doubtIndependence(const Result& result, std::vector<std::string>& doubts) {
       fixedDecimals(result.clustered->ratio, 1)));
 }
 
-/// What moves parameters in all images alike, which no standard deviation shows.
+/// Adds errors that move parameters in all images alike. No standard deviation shows them.
 void doubtPatterns(const Result& result, std::vector<std::string>& doubts) {
   bool has_board = false;
   for (const ResidualPattern& pattern : result.quality->patterns) {
@@ -137,7 +137,7 @@ void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
   const SplitHalf& split = result.quality->split_half;
   if (!split.why_not.empty() && result.quality->cut_short.empty())
     doubts.push_back("two halves of the images cannot be compared: " + split.why_not);
-  // Where the residuals are larger than stated, so may the difference of the halves be.
+  // Larger residuals than stated also allow for a larger difference of the halves.
   const double noise = std::max(1.0, std::sqrt(result.chi2PerDof()));
   for (std::size_t c = 0; c < split.cameras.size(); ++c) {
     const SplitHalfCamera& camera = split.cameras[c];

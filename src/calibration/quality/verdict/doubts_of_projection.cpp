@@ -12,7 +12,8 @@ namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
 
-/// The first of the further views. Where boards are nearly parallel, a tilt is what is missing, whichever view comes first.
+/// Returns the first further view as a remedy. If the boards are nearly parallel, returns the first tilted view,
+/// because a tilt is missing.
 std::string remedyFor(const Result& result, const CameraQuality& camera) {
   const std::vector<FurtherView>& views = result.quality->further_views;
   const bool is_parallel = camera.tilt_spread < nearly_parallel;
@@ -24,7 +25,8 @@ std::string remedyFor(const Result& result, const CameraQuality& camera) {
                      : "add images of boards that reach the border";
 }
 
-/// `, as its boards lie within 3.4 degrees of each other`; empty where they are tilted.
+/// Returns `, because its boards are nearly parallel, within 3.4 degrees of their mean`; empty if the boards are
+/// tilted.
 std::string causeOf(const CameraQuality& camera) {
   if (!(camera.tilt_spread < nearly_parallel)) return "";
   return fmt::format(", as its boards are nearly parallel, within {} degrees of their mean",
@@ -38,14 +40,14 @@ const ProjectionUncertainty* atInfinity(const CameraQuality& camera) {
   return map == camera.projection.end() ? nullptr : &*map;
 }
 
-/// The part of the image, in percent, that the lens has no ray for.
+/// Returns the part of the image without rays of the lens [%].
 double openPercent(const ProjectionUncertainty& map) {
   const auto open =
       std::count_if(map.std_px.begin(), map.std_px.end(), [](double s) { return !std::isfinite(s); });
   return open == 0 ? 0 : std::max(1.0, 100.0 * double(open) / double(map.std_px.size()));
 }
 
-/// Pixels without a ray; empty: all have one.
+/// Returns a sentence about pixels without a ray; empty if all have one.
 std::string openRays(const Result& result, std::size_t c) {
   const double open = openPercent(result.quality->cameras[c].projection.front());
   if (open == 0) return "";
@@ -54,7 +56,7 @@ std::string openRays(const Result& result, std::size_t c) {
       result.cameras[c].name, open);
 }
 
-/// The sentence on one camera; empty: its projection is known, where it has rays.
+/// Returns a sentence about one camera; empty if its projection is known wherever it has rays.
 std::string openProjection(const Result& result, std::size_t c) {
   const CameraQuality& camera = result.quality->cameras[c];
   const std::string& name = result.cameras[c].name;

@@ -13,8 +13,9 @@ namespace slom::calibration {
 namespace {
 
 constexpr double least_on_earth = 9.78, most_on_earth = 9.84;  // [m/s^2]
-constexpr double other_unit = 0.5;  // [m/s^2] off the Earth's gravity, which no sensor's scale error explains
-constexpr double weak_ratio = 3;    // std over what it would be if the other were fixed
+constexpr double other_unit =
+    0.5;                          // off the Earth's gravity [m/s^2]; no sensor's scale error explains as much
+constexpr double weak_ratio = 3;  // std over the std with the other parameter fixed
 constexpr double weak_gravity = 0.1;    // [m/s^2]
 constexpr double weak_rotation = 0.02;  // [rad]
 constexpr double misfit = 5;            // RMS of the readings over sigma_acc
@@ -23,13 +24,14 @@ double offEarth(const ImuResult& imu) {
   return std::max(least_on_earth - std::abs(imu.gravity), std::abs(imu.gravity) - most_on_earth);
 }
 
-/// A unit that accelerations are written in.
+/// A unit for accelerations.
 struct AccelerationUnit {
   const char* name;
   double metres_per_second2;
 };
 
-/// Names the units in which this gravity would be that of the Earth, to 5 %, and says what to do. Empty if there is no such unit.
+/// Names the units in which this gravity would be that of the Earth, to 5 %, and says what to do. Empty if there is
+/// no such unit.
 std::string remedyOfUnit(double gravity) {
   constexpr AccelerationUnit units[] = {
       {"g", 9.80665}, {"mg", 9.80665e-3}, {"cm/s^2", 0.01}, {"mm/s^2", 0.001}, {"ft/s^2", 0.3048}};
@@ -74,7 +76,8 @@ void findSign(const ImuResult& imu, std::vector<ImuFinding>& findings) {
          "the IMU turned half round) fits as well",
          "add images tilted about another axis"});
   } else if (imu.up_is_known && imu.gravity * imu.up_by_z < 0) {
-    // A reflection of the axes and the opposite sign of gravity leave the same residuals, so that only the user can tell them apart.
+    // A reflection of the axes and the opposite sign of gravity leave the same residuals, so only the user can
+    // distinguish them.
     const bool points_up = imu.reads_gravity;
     findings.push_back(
         {ImuFinding::Kind::handedness,
@@ -105,7 +108,7 @@ void findWeakness(const ImuResult& imu, std::vector<ImuFinding>& findings) {
 std::vector<ImuFinding> imuFindings(const Result& result) {
   std::vector<ImuFinding> findings;
   if (!result.imu) return findings;
-  findGravity(*result.imu, findings);  // another unit first: it is the likeliest mistake
+  findGravity(*result.imu, findings);  // first, because another unit is the likeliest mistake
   findSign(*result.imu, findings);
   findMisfit(result, findings);
   findWeakness(*result.imu, findings);
