@@ -22,7 +22,7 @@ namespace {
 
 constexpr double standard_gravity = 9.80665;  // m/s^2
 
-/// `count` numbers separated by commas.
+/// Parses `count` numbers separated by commas.
 std::vector<double> parseNumbers(const std::string& option, const std::string& text, std::size_t count) {
   std::vector<double> numbers;
   const char* at = text.data();
@@ -70,14 +70,14 @@ void fixGravity(const std::string& option, const std::string* value, Fixed& fixe
                   least_gravity, most_m_s2));
 }
 
-/// What can be fixed. `value` is nullptr where the option has none.
+/// Fixes one quantity. `value` is nullptr if the option has none.
 using Fixer = void (*)(const std::string& option, const std::string* value, Fixed&);
 const std::map<std::string, Fixer> fixers{{"acc_bias", fixBias}, {"gravity", fixGravity}};
 
 bool isFocalLength(const std::string& parameter) { return parameter[0] == 'f'; }
 bool isCentre(const std::string& parameter) { return parameter[0] == 'c'; }
 
-/// Focal lengths, the principal point, and what else the models have, each once.
+/// Returns focal lengths, the principal point, and the other parameters of the models, each once.
 std::vector<std::string> namesOfParameters() {
   std::vector<std::string> names;
   for (const Model& model : allModels()) {
@@ -97,7 +97,7 @@ const std::vector<std::string>& lensParameters() {
   return names;
 }
 
-/// `k3` or `left.k3`; nothing where no camera has such a parameter.
+/// Parses `k3` or `left.k3`; returns nothing if no camera has such a parameter.
 std::optional<LensOption> parseLensName(const std::string& option, const std::string& name) {
   const auto dot = name.rfind('.');
   LensOption constraint;
@@ -109,7 +109,7 @@ std::optional<LensOption> parseLensName(const std::string& option, const std::st
   return constraint;
 }
 
-/// Between which values a parameter lies in any camera.
+/// The limits of a parameter in any camera.
 struct LensLimits {
   const char* what;
   double lower, upper;
@@ -126,7 +126,7 @@ LensLimits limitsOf(const std::string& parameter) {
   return {"a coefficient of distortion", -most_distortion, most_distortion, ""};
 }
 
-/// Distortion is fixed at 0 unless the option gives a value.
+/// Fixes a parameter. Distortion is fixed at 0 if the option gives no value.
 LensOption fixLens(LensOption constraint, const std::string* value) {
   if (value == nullptr && (isFocalLength(constraint.parameter) || isCentre(constraint.parameter))) {
     throw UserError(fmt::format("{0}: say at which value [px], as in {0}=320", constraint.option));
@@ -165,7 +165,7 @@ std::vector<LensOption> parseBounds(const std::vector<std::string>& texts) {
   return bounds;
 }
 
-/// Each names a parameter and a camera that exist, and no two name the same.
+/// Checks that each option names an existing parameter and camera, and that no two options name the same.
 void checkLens(const CommandSettings& settings, const Model& model) {
   const std::vector<std::string>& parameters = model.parameters();
   for (std::size_t i = 0; i < settings.lens_options.size(); ++i) {
@@ -215,7 +215,7 @@ Fixed parseFixed(const std::vector<std::string>& texts, std::vector<LensOption>&
   return fixed;
 }
 
-/// `17`, `17:5`, `left.17:5`.
+/// Parses `17`, `17:5` or `left.17:5`.
 std::vector<Exclusion> parseExclusions(const std::vector<std::string>& texts,
                                        const std::vector<CameraFile>& cameras) {
   std::vector<Exclusion> exclusions;
@@ -247,7 +247,7 @@ Robust parseRobust(const std::string& text) {
       fmt::format("--robust {}: what becomes of gross corners is none, reject, huber or cauchy", text));
 }
 
-/// What the noise grows with, which --compare tries where it is not given.
+/// Parses what the noise grows with. --compare tries all if it is not given.
 void parseSigmaBy(const RawOptions& raw, CommandSettings& settings) {
   settings.is_compared = raw.compare;
   settings.sigma_by_is_given = !raw.sigma_by.empty() || !raw.compare;
@@ -261,7 +261,7 @@ void parseSigmaBy(const RawOptions& raw, CommandSettings& settings) {
       raw.sigma_by));
 }
 
-/// The shape of the board, which --compare tries where it is not given.
+/// Parses the shape of the board. --compare tries all if it is not given.
 void parseBoardShape(const RawOptions& raw, CommandSettings& settings) {
   settings.board_shape_is_given = !raw.board_shape.empty() || !raw.compare;
   if (raw.board_shape == "bent") {

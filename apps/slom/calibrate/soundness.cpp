@@ -26,7 +26,7 @@ const ImageResult* worstImage(const Result& result) {
   return worst == result.images.end() ? nullptr : &*worst;
 }
 
-/// Images that are all of one other size than the others, as a whole; empty: they are not.
+/// Returns a sentence about images that all have one other size than the rest; empty if that is not the case.
 std::string otherSize(const Result& result) {
   const std::vector<Stray>& strays = result.strays;
   const bool is_one_size = std::all_of(strays.begin(), strays.end(), [&](const Stray& stray) {
@@ -45,14 +45,14 @@ std::string otherSize(const Result& result) {
                                : fmt::format("{:.3g} times the size", strays.front().size);
   const char* const are = strays.front().size == 0.5 ? (strays.size() == 1 ? "is" : "are")
                           : strays.size() == 1       ? "seems to be"
-                                                     : "seem to be";  // a crop may look like it
+                                                     : "seem to be";  // a cropped image may look like it
   return fmt::format("{} {} of {} {} at {} of the others: pass {}, or scale {}",
                      strays.size() == 1 ? "image" : "images", listed(images, ", ", " and "),
                      strays.front().camera, are, size, fmt::join(options, " "),
                      strays.size() == 1 ? "it" : "them");
 }
 
-/// Views that contradict the others, in one sentence; empty: none.
+/// Returns one sentence about views that contradict the others; empty if there are none.
 std::string contradiction(const Result& result) {
   constexpr std::size_t most = 5;
   if (result.strays.empty()) return "";
@@ -92,7 +92,8 @@ std::string contradiction(const Result& result) {
       count, by, all);
 }
 
-/// Errors of corners that no detection makes: so many px in images of 1280 px and below, in proportion in larger ones, and so many stated sigmas.
+/// Returns a distance of corners beyond any detection error: a number of px for images of up to 1280 px,
+/// proportionally more for larger ones, and at least a number of stated sigmas.
 double explainedPx(const Result& result) {
   constexpr double usual_px = 2, usual_side = 1280, sigmas = 6;
   double side = usual_side;
@@ -103,7 +104,8 @@ double explainedPx(const Result& result) {
   return std::max(usual_px * side / usual_side, sigmas * result.sigma_px);
 }
 
-/// Corners of all images, or of one, that are farther off than detection explains; empty: none.
+/// Returns a sentence about corners, of all images or of one, that are farther off than detection explains; empty if
+/// there are none.
 std::string misfit(const Result& result) {
   const double limit = explainedPx(result), rms = rmsOfAll(result);
   std::string fault;

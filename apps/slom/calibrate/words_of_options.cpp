@@ -54,7 +54,7 @@ std::string noBoard(const CommandSettings& settings, const DataError::Parts& par
                                   : "--square METRES");
 }
 
-/// Rows and columns of --board that are exchanged.
+/// Words an error about a view. Names exchanged rows and columns of --board.
 std::string badView(const CommandSettings& settings, const DataError::Parts& parts) {
   const bool is_exchanged = settings.board_of_files && settings.board_of_files->columns > 0 &&
                             parts.fault.find("rows and columns are exchanged") != std::string::npos;

@@ -14,14 +14,14 @@ constexpr const char* board_syntax =
     "write 9x6 (inner corners of a chessboard), charuco:8x5:4x4_50 (squares, dictionary), aprilgrid:6x6 "
     "(tags), or the YAML file of a Kalibr target";
 
-/// `9x6`
+/// Parses `9x6`.
 bool parseSize(std::string_view text, int& columns, int& rows) {
   const auto x = text.find('x');
   return x != std::string_view::npos && parseNumber(text.substr(0, x), columns) &&
          parseNumber(text.substr(x + 1), rows);
 }
 
-/// Kind, size and dictionary; no lengths yet.
+/// Parses kind, size and dictionary. Sets no lengths.
 Board parseName(const std::string& text) {
   Board board;
   std::string rest = text;
@@ -57,14 +57,14 @@ void requireSize(const Board& board, const std::string& text) {
                               least));
 }
 
-/// What an option must lie between.
+/// Limits of an option.
 struct Range {
   double least, most;
   const char* unit;
 };
 constexpr Range lengths{least_square_m, most_square_m, " m"}, spacings{least_spacing, most_spacing, ""};
 
-/// A length or ratio that the board has or has not.
+/// Checks a length or ratio that the board needs or does not have.
 void requireLength(const char* option, double value, const Range& range, bool is_wanted,
                    const std::string& board, const char* example) {
   if (value != 0 && !(value > 0 && std::isfinite(value))) {
@@ -84,7 +84,8 @@ double acrossOf(const Board& board) {
   return (board.corner(board.cornerCount() - 1) - board.corner(0)).norm();
 }
 
-/// Checks the lengths that the options give, and sets those of the board. A chessboard's square may be left out where it is not needed.
+/// Checks the lengths that the options give, and sets those of the board. A chessboard's square may be left out if it
+/// is not needed.
 void requireLengths(Board& board, const BoardOptions& options, bool square_is_needed) {
   requireLength("--square", options.square_m, lengths, square_is_needed || options.square_m != 0,
                 options.board, "0.025 [m]");
@@ -102,10 +103,10 @@ void requireLengths(Board& board, const BoardOptions& options, bool square_is_ne
   board.spacing = options.spacing;
 }
 
-/// No name of a board has a dot or a slash.
+/// Returns whether the text names a file. No name of a board has a dot or a slash.
 bool isTargetFile(const std::string& text) { return text.find_first_of("./") != std::string::npos; }
 
-/// A Kalibr target; it has all lengths.
+/// Reads a Kalibr target, which has all lengths.
 Board boardOfTarget(const BoardOptions& options) {
   const KalibrTarget target = readKalibrTarget(options.board);
   for (const auto& [option, value] : {std::pair("--square", options.square_m),

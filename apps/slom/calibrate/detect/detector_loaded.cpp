@@ -36,7 +36,7 @@ const DetectorModule& module() {
   return *found;
 }
 
-/// The folder ends with the one of installed programs; the whole of it, where that is absolute.
+/// Returns whether the folder ends with the folder of installed programs, or equals that folder if it is absolute.
 bool isInstalled(const std::filesystem::path& folder) {
   const std::filesystem::path installed = SLOM_COMMAND_FOLDER;
   if (installed.is_absolute()) return folder == installed;

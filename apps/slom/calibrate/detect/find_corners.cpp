@@ -19,11 +19,11 @@
 namespace slom::app::calib {
 namespace {
 
-/// What one photograph shows.
+/// The content of one photograph.
 struct Seen {
   std::optional<ImageSize> size;  ///< nothing: it cannot be read
   std::vector<FoundCorner> corners;
-  std::string reason;  ///< why there are none
+  std::string reason;  ///< why there are no corners
 };
 
 Seen look(const Board& board, const std::string& file) {
@@ -40,7 +40,7 @@ Seen look(const Board& board, const std::string& file) {
     seen.corners = findBoard(board, *photo);
   } catch (const UserError&) {
     throw;
-  } catch (const std::exception&) {  // thrown by OpenCV, whose texts are for programmers
+  } catch (const std::exception&) {  // thrown by OpenCV, whose texts address programmers
     seen.reason = "cannot be searched for the board by OpenCV";
     return seen;
   }
@@ -49,7 +49,7 @@ Seen look(const Board& board, const std::string& file) {
   return seen;
 }
 
-/// What each photograph of each camera shows: the first index is the camera.
+/// Searches each photograph of each camera. The first index of the result is the camera.
 std::vector<std::vector<Seen>> lookAtAll(const std::vector<CameraPhotos>& cameras, const Board& board,
                                          bool with_progress) {
   std::vector<std::vector<Seen>> seen;
@@ -72,7 +72,7 @@ using Sides = std::pair<int, int>;
 
 Sides sidesOf(const ImageSize& size) { return {size.width, size.height}; }
 
-/// The size that more than half of the photographs have that can be read.
+/// Returns the size of more than half of the readable photographs.
 ImageSize commonSize(const CameraPhotos& camera, const std::vector<Seen>& seen) {
   std::map<Sides, std::size_t> count;
   std::size_t all = 0;
@@ -93,7 +93,7 @@ ImageSize commonSize(const CameraPhotos& camera, const std::vector<Seen>& seen) 
   return {common.first, common.second};
 }
 
-/// Takes the corners away from photographs of another size, and says why.
+/// Removes the corners of photographs of another size, and says why.
 void leaveOutOtherSizes(const ImageSize& common, std::vector<Seen>& seen) {
   for (Seen& photo : seen) {
     if (photo.corners.empty() || sidesOf(*photo.size) == sidesOf(common)) continue;

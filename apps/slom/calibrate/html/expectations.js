@@ -1,5 +1,5 @@
-// The sections that say what is to be expected of the calibration: projection uncertainty, cross-validation, next best views,
-// correlations.
+// The sections on the expected accuracy of the calibration: projection uncertainty, cross-validation, next best
+// views, correlations.
 
 function mapFigure(row, camera, title, caption, name, values, levels) {
   figure(row, title, caption, place => imagePlot(place, name, camera, (pen, x, y, scale) => drawMap(pen, x, y, scale, camera, values, levels),

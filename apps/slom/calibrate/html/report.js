@@ -11,7 +11,8 @@ function section(id, title, ...content) {
   document.getElementById("contents").append(el("a", {href: "#" + id}, title));
   return made;
 }
-/// A figure in `place`: title, the plot's own place, legend, caption. fill(place) draws once the figure is in the page.
+/// Adds a figure to `place`: title, the plot's own place, legend, caption. fill(place) draws once the figure is in
+/// the page.
 function figure(place, title, caption, fill, ...legend) {
   const canvas = el("div", {class: "plot"});
   place.append(el("figure", {}, title ? el("h3", {}, title) : null, canvas, ...legend, caption ? el("figcaption", {}, caption) : null));
@@ -125,7 +126,7 @@ function residualsByRadius(row, camera, list) {
   const [, , cx, cy] = camera.pinhole;
   const points = list.map(r => [Math.hypot(r.u - cx, r.v - cy), r.size]).sort((a, b) => a[0] - b[0]);
   const bins = Math.max(3, Math.min(12, Math.floor(points.length / 20))), middle = {x: [], y: []};
-  for (let b = 0; b < bins; ++b) {  // as many corners in each
+  for (let b = 0; b < bins; ++b) {  // the same number of corners in each
     const part = points.slice(Math.floor(b * points.length / bins), Math.floor((b + 1) * points.length / bins));
     if (part.length === 0) continue;
     middle.x.push(part[Math.floor(part.length / 2)][0]);

@@ -8,7 +8,7 @@
 namespace slom::app::calib {
 namespace {
 
-/// A line of the table that begins with `name`.
+/// Returns a line of the table, which begins with `name`.
 std::string row(const std::string& name, const ModelTrial& trial, double standard_errors) {
   if (!trial.failure.empty()) return fmt::format("{}   no fit: {}\n", name, oneLine(trial.failure));
   return fmt::format("{}{:>10}{:>13.1f}{:>10.4f}{:>10.4f}{:>14.4f}{:>18.1f}\n", name, trial.unknowns,

@@ -38,7 +38,7 @@ std::string imageAndPhoto(int image, const std::string& photo) {
   return photo.empty() ? fmt::format("{}", image) : fmt::format("{} ({})", image, oneLine(photo));
 }
 
-/// `image 4 (b.png) repeats image 1 (a.png)`, and in how many corners where it is not in all.
+/// Returns `image 4 (b.png) repeats image 1 (a.png)`, and in how many corners if not in all.
 std::string repetition(const Copy& copy) {
   const std::string part = copy.equal_corners < copy.corners
                                ? fmt::format(" in {} of {} corners", copy.equal_corners, copy.corners)
@@ -85,7 +85,8 @@ void noteDenominator(const Result& result, std::vector<std::string>& notes) {
       fmt::join(model.heldNearZero(), ", "), model.name(), *result.sigma_denominator));
 }
 
-/// `squares`: sum of squared residuals of one kind, to which `unknowns` of the fit belong.
+/// Notes residuals that contradict a stated sigma. `squares`: sum of squared residuals of one kind, to which
+/// `unknowns` of the fit belong.
 void noteSigma(const char* what, const char* option, double stated, double squares, double residuals,
                double unknowns, std::vector<std::string>& notes) {
   if (!(squares > 0) || residuals <= unknowns) return;
@@ -106,7 +107,7 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
     squares += camera.rms_px * camera.rms_px * double(camera.corners);
     corners += double(camera.corners);
   }
-  // A loss looks away from large residuals: what most corners show is what counts.
+  // A loss downweights large residuals, so the noise of most corners is compared.
   if (result.downweighted)
     squares = std::pow(result.downweighted->noise_px, 2) * std::max(0.0, 2 * corners - result.unknowns);
   double of_imu = 0;  // unknowns that the readings alone determine
@@ -120,12 +121,13 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
             3 * readings, of_imu, notes);
 }
 
-/// The name of the other camera, where there are two.
+/// Returns the name of the other one of two cameras.
 const std::string& otherThan(const std::string& name, const Result& result) {
   return result.cameras.front().name == name ? result.cameras.back().name : result.cameras.front().name;
 }
 
-/// Cameras most of whose views contradict the others, one note for each; the strays of the others.
+/// Notes cameras most of whose views contradict the others, one note for each. Returns the strays of the other
+/// cameras.
 std::vector<Stray> noteWrongNumbers(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t fewest = 3;
   std::vector<Stray> rest = result.strays;
@@ -162,7 +164,7 @@ std::vector<Stray> noteWrongNumbers(const Result& result, std::vector<std::strin
   return rest;
 }
 
-/// Views that the values are without.
+/// Notes a view that the fit leaves out.
 void noteLeftOut(const Stray& stray, const Result& result, std::vector<std::string>& notes) {
   const std::string name = result.cameras.size() > 1 ? stray.camera + "." : "";
   if (stray.is_mirrored) {
@@ -181,7 +183,7 @@ void noteLeftOut(const Stray& stray, const Result& result, std::vector<std::stri
 }
 
 void noteStrays(const Result& result, std::vector<std::string>& notes) {
-  constexpr std::size_t most = 4;  // one by one
+  constexpr std::size_t most = 4;  // named one by one
   std::vector<Stray> strays = noteWrongNumbers(result, notes);
   for (const Stray& stray : strays) {
     if (stray.is_left_out) noteLeftOut(stray, result, notes);
@@ -226,7 +228,7 @@ void noteCauses(const Result& result, std::vector<std::string>& notes) {
     notes.push_back(capitalised(causeText(result)) + ".");
 }
 
-/// Single corners that lie much farther off than the worst ones of most images.
+/// Notes single corners that lie much farther off than the worst ones of most images.
 void noteCorners(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t least_images = 4;
   constexpr double much = 4;
@@ -249,7 +251,7 @@ void noteCorners(const Result& result, std::vector<std::string>& notes) {
   }
 }
 
-/// Corners that the fit does without.
+/// Notes corners that the fit leaves out.
 void noteRejected(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t most = 5;  // named one by one
   if (result.rejected.empty()) return;
@@ -268,7 +270,7 @@ void noteRejected(const Result& result, std::vector<std::string>& notes) {
       more > 0 ? fmt::format(", and {} more", more) : "", result.rejected.size() == 1 ? "it" : "them"));
 }
 
-/// Corners that the fit follows, so that their residuals do not show how wrong they are.
+/// Notes corners that the fit follows, so that their residuals hide how wrong they are.
 void noteLeverage(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t most = 5;  // named one by one
   constexpr double hidden = 1.5;   // error without the corner over its residual
@@ -309,7 +311,7 @@ void noteImu(const Result& result, std::vector<std::string>& notes) {
   }
 }
 
-/// By how much errors that images share make the clustered standard deviations larger, and what limits them.
+/// Notes by how much shared errors enlarge the clustered standard deviations, and the limits of these.
 void noteClustered(const Result& result, std::vector<std::string>& notes) {
   constexpr double worth_a_note = 1.5;
   if (!result.clustered) return;
@@ -329,7 +331,7 @@ void noteClustered(const Result& result, std::vector<std::string>& notes) {
   for (std::string& sentence : sentencesOf(clustered)) notes.push_back(std::move(sentence));
 }
 
-/// Why errors are not independent, as far as residuals show it.
+/// Notes why errors are not independent, as far as residuals show it.
 void notePatterns(const Result& result, std::vector<std::string>& notes) {
   if (!result.quality) return;
   for (const ResidualPattern& pattern : result.quality->patterns) {
