@@ -70,10 +70,10 @@ Dataset readDataset(const CommandSettings& settings, ImageNumbers& numbers) {
     const ImageSize& size = given->second;
     const std::optional<ImageSize>& known = camera.image_size;
     if (known && (known->width != size.width || known->height != size.height)) {
-      throw UserError(fmt::format(
-          "--image-size {}={}x{}: {} {} x {} pixels; leave the option out{}", camera.name, size.width,
-          size.height, settings.board ? "the photographs have" : camera.file + ": images have", known->width,
-          known->height, settings.board ? "" : ", or correct the file"));
+      throw UserError(
+          fmt::format("--image-size {}={}x{}: {} {} x {} pixels; drop this option{}", camera.name, size.width,
+                      size.height, settings.board ? "the photographs have" : camera.file + ": images have",
+                      known->width, known->height, settings.board ? "" : ", or correct the file"));
     }
     camera.image_size = size;
   }
@@ -165,8 +165,8 @@ Dataset readInTime(const CommandSettings& settings, ImageNumbers& numbers) {
     return readDataset(settings, numbers);
   } catch (const RunEnded& ended) {
     sayError(fmt::format(
-        "slom: {} while photographs were searched for the board, so nothing was calibrated; allow "
-        "more by --max-seconds\n",
+        "slom: {} during the search for the board in photographs, so nothing was calibrated; pass a "
+        "larger --max-seconds\n",
         ended.what()));
     throw CLI::RuntimeError(exit_not_converged);
   }
@@ -192,7 +192,7 @@ std::string failureOf(const Result& result) {
                 : "the data do not determine all parameters: " + result.undetermined);
   }
   if (const Unsoundness unsound = unsoundnessOf(result); !unsound.isNone())
-    return (result.success() ? "the calibration is of no use: " : "the calibration failed: ") +
+    return (result.success() ? "the calibration is unusable: " : "the calibration failed: ") +
            unsound.sentence;
   for (const std::optional<Comparison>& comparison : {result.comparison, result.board_comparison}) {
     if (comparison && !comparison->cut_short.empty())
@@ -210,7 +210,8 @@ void refuseExtras(const CLI::App& command) {
   std::error_code ignored;
   if (words.size() == 1 && std::filesystem::is_regular_file(words.front(), ignored)) {
     throw UserError(fmt::format(
-        "{0}: say which camera this is of: --camera NAME={0} for corners, --images NAME={0} for photographs",
+        "{0}: the file belongs to no camera; pass --camera NAME={0} for corners, or --images NAME={0} for "
+        "photographs",
         words.front()));
   }
   throw CLI::ExtrasError(command.get_name(),

@@ -68,28 +68,20 @@ std::string contradiction(const Result& result) {
   const std::size_t count = result.strays.size();
   const std::string errors[] = {fixedDecimals(least, 0), fixedDecimals(largest, 0)};
   const std::string by = errors[0] == errors[1] ? errors[0] : errors[0] + " to " + errors[1];
-  const std::string all = fmt::format("{}{}", fmt::join(names, ", "),
-                                      count > most ? fmt::format(" and {} more", count - most) : "");
+  const std::string all = count > most ? fmt::format("{} and {} more", fmt::join(names, ", "), count - most)
+                                       : listed(names, ", ", " and ");
   const std::string& why = result.strays.front().why;
   const bool have_one_cause =
       !why.empty() && std::all_of(result.strays.begin(), result.strays.end(),
                                   [&](const Stray& stray) { return stray.why == why; });
-  if (have_one_cause && result.strays.front().is_mirrored)
-    return fmt::format("{} the others: {}; {}; correct {}, or leave {} out by --exclude",
-                       count == 1 ? "an image contradicts" : fmt::format("{} images contradict", count), all,
-                       count == 1 ? why : "they show" + why.substr(std::string("it shows").size()),
-                       count == 1 ? "it" : "them", count == 1 ? "it" : "them");
-  if (have_one_cause)
-    return fmt::format("{} the others, by {} px: {}; {}; correct {}, or leave {} out by --exclude",
-                       count == 1 ? "an image contradicts" : fmt::format("{} images contradict", count), by,
-                       all, why, count == 1 ? "it" : "them", count == 1 ? "it" : "them");
-  if (count == 1)
-    return fmt::format(
-        "an image contradicts the others, by {} px: {}; leave it out by --exclude, or correct its number", by,
-        all);
-  return fmt::format(
-      "{} images contradict the others, by {} px: {}; leave them out by --exclude, or correct their numbers",
-      count, by, all);
+  const bool is_mirrored = have_one_cause && result.strays.front().is_mirrored;
+  const std::string fault = fmt::format(
+      "{} the others{}{}",
+      count == 1 ? fmt::format("image {} contradicts", all) : fmt::format("images {} contradict", all),
+      is_mirrored ? "" : fmt::format(" by {} px", by), have_one_cause ? ": " + why : "");
+  const char* const remedy = have_one_cause ? (count == 1 ? "correct it" : "correct them")
+                                            : (count == 1 ? "correct its number" : "correct their numbers");
+  return fmt::format("{}; {} or leave {} out by --exclude", fault, remedy, count == 1 ? "it" : "them");
 }
 
 /// Returns a distance of corners beyond any detection error: a number of px for images of up to 1280 px,
@@ -115,7 +107,7 @@ std::string misfit(const Result& result) {
     fault = fmt::format("corners of image {} are {} px off (RMS)", worst->image, twoDigits(rmsOf(*worst)));
   }
   if (fault.empty()) return "";
-  return fmt::format("{}, and detection explains {} px; {}", fault, twoDigits(limit), causeText(result));
+  return fmt::format("{}, but detection explains only {} px; {}", fault, twoDigits(limit), causeText(result));
 }
 
 }  // namespace

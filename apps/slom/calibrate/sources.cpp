@@ -34,8 +34,8 @@ CameraFile parseNamed(const std::string& option, const std::string& text, const 
   const std::string name = text.substr(0, equals);
   if (!isName(name)) {
     throw UserError(
-        fmt::format("{} {}: the name must begin with a letter and hold letters, digits, _ and - "
-                    "only; rename the camera",
+        fmt::format("{} {}: the name must begin with a letter and contain only letters, digits, _ and -; "
+                    "rename the camera",
                     option, text));
   }
   return {name, text.substr(equals + 1)};
@@ -60,8 +60,7 @@ void requireNoPattern(const std::string& text, const std::string& file) {
   std::error_code ignored;
   if (file.find_first_of("*?,") == std::string::npos || std::filesystem::exists(file, ignored)) return;
   throw UserError(fmt::format(
-      "--camera {}: there is no such file; a --camera takes one, so give the parts of a recording by one each",
-      text));
+      "--camera {}: there is no such file; give one --camera for each file of a recording", text));
 }
 
 std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
@@ -75,8 +74,10 @@ std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
       throw UserError(
           fmt::format("--camera {}: the file is given twice; give it once, or another camera's file", text));
     if (!is_new)
-      throw UserError(fmt::format("--camera {}: the file is camera {}'s already; give each camera its own",
-                                  text, known->second));
+      throw UserError(
+          fmt::format("--camera {}: the file already belongs to camera {}; give each camera "
+                      "its own",
+                      text, known->second));
     withName(one.name, cameras).files.push_back(one.file);
   }
   for (CameraFile& camera : cameras) camera.file = fmt::format("{}", fmt::join(camera.files, " "));
@@ -120,9 +121,9 @@ void parseSources(const RawOptions& raw, CommandSettings& settings) {
     return;
   }
   if (!settings.corners_folder.empty()) {
-    throw UserError(fmt::format(
-        "--corners-out {}: it is about photographs, and there are none; add --images, or leave it out",
-        settings.corners_folder));
+    throw UserError(
+        fmt::format("--corners-out {}: needs photographs, none are given; add --images or drop this option",
+                    settings.corners_folder));
   }
   settings.board_of_files = parseBoardOfFiles(raw.board);
 }

@@ -39,7 +39,7 @@ std::string nothingToExclude(const CommandSettings&, const DataError::Parts& par
 std::string noStart(const CommandSettings& settings, const DataError::Parts& parts) {
   if (settings.robust != Robust::none)
     return fmt::format("{}: {}; {}", parts.place, parts.fault, parts.remedy);
-  return fmt::format("{}: {}; look for corners that are far off, or leave out such ones by --robust reject",
+  return fmt::format("{}: {}; look for corners that are far off, or leave them out by --robust reject",
                      parts.place, parts.fault);
 }
 

@@ -11,10 +11,9 @@ namespace slom::calibration {
 
 BoardPlane fitPlane(const std::vector<Corner>& corners) {
   if (corners.size() < 3) {
-    throw DataError(
-        "slom.calibration.bad-view",
-        fmt::format("there are corners: {}, which determine no plane; pass at least 3", corners.size()),
-        "corners");
+    throw DataError("slom.calibration.bad-view",
+                    fmt::format("too few corners for a plane: {}; pass at least 3", corners.size()),
+                    "corners");
   }
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Corner& corner : corners) centre += corner.world / double(corners.size());

@@ -62,15 +62,15 @@ void checkView(const CameraData& camera, const View& view) {
   if (onLineButOne(on_board, world_line_tolerance)) {
     throw DataError(
         "slom.calibration.bad-view",
-        fmt::format("{}: all its world points, or all but one, lie on a line; a pose needs at least two "
-                    "off it, so add corners or remove the image",
+        fmt::format("{}: all world points, or all but one, lie on a line; a pose needs at least two "
+                    "points off the line, so add corners or remove the image",
                     place),
         camera.name);
   }
   if (onLineButOne(in_image, pixel_line_tolerance)) {
     throw DataError(
         "slom.calibration.bad-view",
-        fmt::format("{}: all its pixels, or all but one, lie on a line, as of a board seen from its edge; "
+        fmt::format("{}: all pixels, or all but one, lie on a line, as if the board were seen edge-on; "
                     "remove the image",
                     place),
         camera.name);
@@ -78,7 +78,7 @@ void checkView(const CameraData& camera, const View& view) {
   if (plane.thickness > plane_tolerance * plane.size) {
     throw DataError(
         "slom.calibration.bad-view",
-        fmt::format("{}: its world points do not lie in a plane (they are off by {:.2g} m); the start "
+        fmt::format("{}: the world points do not lie in a plane (they are off by {:.2g} m); the start "
                     "values need a flat board, so correct the points or remove the image",
                     place, plane.thickness),
         camera.name);
@@ -113,7 +113,7 @@ void requireNoRepeatedCorner(const CameraData& camera, const View& view) {
 void checkViews(const CameraData& camera) {
   if (camera.views.empty())
     throw DataError("slom.calibration.too-few-views",
-                    fmt::format("{}: there is no corner in it; add some", nameOf(camera)), camera.name);
+                    fmt::format("{}: has no corners; add some", nameOf(camera)), camera.name);
   for (const View& view : camera.views) {
     checkView(camera, view);
     requireNoRepeatedCorner(camera, view);
@@ -148,8 +148,8 @@ void checkConnected(const Dataset& data) {
     throw DataError(
         "slom.calibration.unconnected",
         fmt::format(
-            "{}: camera {} has no image in common with camera {}, nor with one that has; take images of the "
-            "board with both at the same time, or calibrate them apart",
+            "{}: no common images connect camera {} with camera {}, not even through other cameras; take "
+            "images of the board with both at the same time, or calibrate them separately",
             firstPlace(camera), camera.name, data.cameras.front().name),
         camera.name);
   }

@@ -53,7 +53,7 @@ void requirePossible(const LensConstraint& constraint) {
   const std::string where = constraint.isFixed() ? fmt::format("fixed at {}", lower)
                                                  : fmt::format("to lie between {} and {}", lower, upper);
   refuseSetting(fmt::format("{} is {}; give {} {}", parameter, where,
-                            constraint.isFixed() ? "a value" : "limits about values", range.text()),
+                            constraint.isFixed() ? "a value" : "limits that allow values", range.text()),
                 parameter);
 }
 
@@ -113,7 +113,8 @@ void requireSense(const LensConstraint& constraint, const Model& model, const Da
   const auto concerns = [&](const CameraData& one) { return constraint.concerns(one.name); };
   if (std::none_of(data.cameras.begin(), data.cameras.end(), concerns)) {
     refuseSetting(
-        fmt::format("there is no camera {} to constrain {} of; correct the name", camera, parameter), camera);
+        fmt::format("there is no camera {} whose {} can be constrained; correct the name", camera, parameter),
+        camera);
   }
   if (std::isnan(lower) || std::isnan(upper)) {
     refuseSetting(fmt::format("{} is to lie between {} and {}; give numbers", parameter, lower, upper),

@@ -131,9 +131,8 @@ void requireDifferent(const CameraData& a, const CameraData& b) {
   if (2 * repeated <= views && 2 * repeated_in_common <= common) return;
   throw DataError(
       "slom.calibration.copies",
-      fmt::format("camera {} and camera {} have the same corners in {} of {} images, where {}; these are "
-                  "photographs of one "
-                  "camera, so correct the files of the other, or leave it out",
+      fmt::format("cameras {} and {} have the same corners in {} of {} images: {}; these are photographs "
+                  "of one camera, so correct the files of the other camera, or leave it out",
                   a.name, b.name, repeated, b.views.size(), first),
       b.name);
 }

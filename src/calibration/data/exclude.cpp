@@ -65,7 +65,7 @@ void requireImage(const Dataset& data, const Exclusion& exclusion) {
                                 exclusion.image),
                     images.empty() ? "leave it out" : nearestText(images, exclusion.image));
   if (having > 1 && exclusion.corner)
-    refuseExclusion(exclusion, "several cameras have that image, and number corners each in their way",
+    refuseExclusion(exclusion, "several cameras have that image, and each numbers corners in its own way",
                     fmt::format("name the camera, as in {}.{}", names.front(), nameOf(exclusion)));
 }
 
@@ -79,7 +79,7 @@ void requireNotGone(const Dataset& rest, const Exclusion& exclusion) {
         std::none_of(camera.excluded.begin(), camera.excluded.end(), is_gone))
       return;
   }
-  refuseExclusion(exclusion, "another exclusion has left that out already", "give one of the two");
+  refuseExclusion(exclusion, "another exclusion already leaves that out", "give one of the two");
 }
 
 void excludeFrom(CameraData& camera, const Exclusion& exclusion) {

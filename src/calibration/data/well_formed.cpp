@@ -29,10 +29,9 @@ void requireNames(const Dataset& data) {
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     const std::string& name = data.cameras[c].name;
     if (name.empty()) {
-      throw DataError(
-          "slom.calibration.bad-camera",
-          fmt::format("cameras[{}] has no name; give it one, by which results and messages call it", c),
-          fmt::format("cameras[{}]", c));
+      throw DataError("slom.calibration.bad-camera",
+                      fmt::format("cameras[{}] has no name; give it one for results and messages", c),
+                      fmt::format("cameras[{}]", c));
     }
     const auto [known, is_new] = index_of.emplace(name, c);
     if (is_new) continue;
@@ -111,8 +110,8 @@ void requireInside(const CameraData& camera) {
   throw DataError(
       "slom.calibration.bad-corner",
       fmt::format(
-          "{} is at the pixel {}, outside of images of {} x {} px, as {} of {} corners are{}; correct the "
-          "size, or the corners",
+          "{} is at the pixel {}, outside the image of {} x {} px, like {} of {} corners{}; correct the "
+          "size or the corners",
           placeAndName(camera, *view, *first), textOf(first->pixel), width, height, count,
           camera.cornerCount(), swapped == 0 ? " (are width and height exchanged?)" : ""),
       camera.name);
@@ -166,7 +165,7 @@ void requireReadings(const ImuData& imu) {
     throw DataError(
         "slom.calibration.bad-reading",
         {.place = imu.place(i),
-         .fault = fmt::format("image {} has a reading already, {}", reading.image, imu.place(known->second)),
+         .fault = fmt::format("image {} already has a reading, {}", reading.image, imu.place(known->second)),
          .remedy = "keep one, or the mean of both"});
   }
 }

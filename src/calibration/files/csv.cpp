@@ -122,8 +122,8 @@ CsvTable::CsvTable(std::string file, std::string text_of_file, std::vector<std::
   const std::string header = fmt::format("{}", fmt::join(columns_, ","));
   if (isPhotograph(text_)) {
     badFile(fmt::format(
-        "{}: this is a photograph, where a table with the header \"{}\" must be; slom calibrate takes photographs by "
-        "--images",
+        "{}: this is a photograph instead of a table with the header \"{}\"; slom calibrate takes "
+        "photographs by --images",
         file_, header));
   }
   Lines lines{text_};

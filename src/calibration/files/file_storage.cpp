@@ -92,7 +92,7 @@ class Storage {
     document_.fail(
         root.line,
         fmt::format(
-            "there is no key image_points, but {}; write the corners too, as OpenCV's calibration sample "
+            "there is no key image_points, only {}; write the corners too, as OpenCV's calibration sample "
             "does with -op",
             shortened(fmt::format("{}", fmt::join(root.keys, ", ")), longest_quote)));
   }
@@ -129,7 +129,7 @@ class Storage {
     }
     const Node& type = valueOf(matrix, "dt", key);
     if (type.kind != Node::Kind::scalar || type.text.empty())
-      document_.fail(type.line, "dt is no type; write it as cv::FileStorage does");
+      document_.fail(type.line, "dt is not a type; write it as cv::FileStorage does");
     const std::string_view digits = type.text.substr(0, type.text.size() - 1);
     shape.push_back(
         digits.empty() ? 1 : document_.whole(Node{Node::Kind::scalar, type.line, digits}, "dt", 1, 4));
@@ -142,11 +142,11 @@ class Storage {
     const std::size_t before = numbers.values.size();
     const Node& data = valueOf(matrix, "data", key);
     if (data.kind == Node::Kind::map)
-      document_.fail(data.line, "data is no list of numbers; write it as cv::FileStorage does");
+      document_.fail(data.line, "data is not a list of numbers; write it as cv::FileStorage does");
     append(data, key, most, numbers);
     if (const std::size_t count = numbers.values.size() - before; double(count) != expected)
       document_.fail(data.line,
-                     fmt::format("{} has {} numbers where rows, cols and dt say {}; copy the file again", key,
+                     fmt::format("{} has {} numbers, but rows, cols and dt give {}; copy the file again", key,
                                  count, expected));
   }
 
@@ -208,7 +208,8 @@ class Storage {
                                               const std::vector<Numbers>& pixels) const {
     const std::vector<Numbers> numbers = inOne(byImage(entry, 3, most_corner_m));
     if (numbers.size() != 1 && numbers.size() != pixels.size())
-      document_.fail(entry.node->line, fmt::format("{} are of {} images, image_points of {}; write as many",
+      document_.fail(entry.node->line, fmt::format("{} has points of {} images, image_points of {}; write "
+                                                   "points of the same images",
                                                    entry.key, numbers.size(), pixels.size()));
     std::vector<std::vector<vec3>> world;
     double nearest = std::numeric_limits<double>::infinity();
@@ -226,8 +227,8 @@ class Storage {
                         known = world[std::min(i, world.size() - 1)].size();
       if (corners == known || corners == 0) continue;
       document_.fail(pixels[i].lines.front(),
-                     fmt::format("image {} has {} image points and {} {}; write as many", i + 1, corners,
-                                 known, entry.key));
+                     fmt::format("image {} has {} image points and {} {}; write the same number of each",
+                                 i + 1, corners, known, entry.key));
     }
     scale(world, nearest, entry);
     return world;
@@ -245,10 +246,9 @@ class Storage {
   }
 
   [[noreturn]] void failUnit(int line, const std::string& what) const {
-    throw DataError("slom.calibration.no-board",
-                    {.place = fmt::format("{}:{}", document_.file, line),
-                     .fault = what + ", and no unit is said, in which metres are unlikely",
-                     .remedy = "state the side of a square in BoardOfFiles"});
+    throw DataError("slom.calibration.no-board", {.place = fmt::format("{}:{}", document_.file, line),
+                                                  .fault = what + " without a unit, and metres are unlikely",
+                                                  .remedy = "state the side of a square in BoardOfFiles"});
   }
 
   /// Returns the points of a board of the size stated by the file or the user. If both state a size, they must agree.
@@ -263,7 +263,8 @@ class Storage {
       if (board_.columns > 0 && (columns != board_.columns || rows != board_.rows))
         document_.fail(
             width.node->line,
-            fmt::format("the board is of {} x {} corners, and {} x {} are stated; correct one of them",
+            fmt::format("the file has a board of {} x {} corners, but {} x {} are stated; correct one of "
+                        "them",
                         columns, rows, board_.columns, board_.rows));
       board.columns = columns, board.rows = rows;
     }
@@ -280,7 +281,8 @@ class Storage {
       const std::size_t count = pixels[i].values.size() / 2;
       if (count == corners.size() || count == 0) continue;
       document_.fail(pixels[i].lines.front(),
-                     fmt::format("{} of image {} are {}, and the board has {} x {} corners; correct its size",
+                     fmt::format("{} of image {}: {} points, but the board has {} x {} corners; correct "
+                                 "the size of the board",
                                  points.key, i + 1, count, board.columns, board.rows));
     }
     return {std::move(corners)};
@@ -305,7 +307,8 @@ class Storage {
     const bool is_list = names.node->kind == Node::Kind::list;
     const std::size_t count = is_list ? names.node->items.size() : 1;
     if (count != images.size())
-      document_.fail(names.node->line, fmt::format("{} names {} images, image_points has {}; write as many",
+      document_.fail(names.node->line, fmt::format("{} names {} images, image_points has {}; write the "
+                                                   "same number of each",
                                                    names.key, count, images.size()));
     for (std::size_t i = 0; i < count; ++i)
       images[i].name = (is_list ? names.node->items[i] : *names.node).text;

@@ -129,8 +129,8 @@ void numberByNames(const std::string& file, std::vector<GridImage>& images) {
     fewest = std::min(fewest, runs.back().size());
     if (fewest > 0) continue;
     badFile(
-        fmt::format("{}: there is no number in the name of image {}, by which images of the same moment are "
-                    "found; rename it, as in left07.jpg",
+        fmt::format("{}: the name of image {} has no number to pair images taken at the same time; rename "
+                    "it, as in left07.jpg",
                     file, shortened(image.name, longest_quote)));
   }
   for (std::size_t from_end = 0; from_end < fewest; ++from_end) {

@@ -116,10 +116,10 @@ int ImageNumbers::of(std::size_t source, const std::string& number) const {
 std::string sentenceOf(const ImageNumbers& numbers) {
   if (numbers.paired() == 0) return "";
   return fmt::format(
-      "image numbers are time stamps; {} {} of different cameras that are nearest to each other, and differ by up to {:.10g}, {} % of "
-      "their spacing",
-      numbers.paired(), numbers.paired() == 1 ? "image pairs those" : "images pair those",
-      numbers.largestDifference(), twoDigits(100 * numbers.largestDifference() / numbers.spacing()));
+      "image numbers are time stamps; {} {} the nearest stamps of different cameras, which differ by up "
+      "to {:.10g}, {} % of their spacing",
+      numbers.paired(), numbers.paired() == 1 ? "image pairs" : "images pair", numbers.largestDifference(),
+      twoDigits(100 * numbers.largestDifference() / numbers.spacing()));
 }
 
 }  // namespace slom::calibration

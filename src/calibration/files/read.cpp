@@ -153,7 +153,7 @@ CameraData joined(const std::string& camera_name, const std::vector<std::string>
         (part.image_size->width != all.image_size->width ||
          part.image_size->height != all.image_size->height)) {
       badFile(fmt::format(
-          "{}: images are of {} x {} pixels, but of {} x {} in a file before it; give files of one camera alone",
+          "{}: images have {} x {} pixels, but {} x {} in an earlier file; give files of only one camera",
           file, part.image_size->width, part.image_size->height, all.image_size->width,
           all.image_size->height));
     }
@@ -162,8 +162,9 @@ CameraData joined(const std::string& camera_name, const std::vector<std::string>
       const auto [known, is_new] = file_of.emplace(view.image, file);
       if (!is_new) {
         badFile(fmt::format(
-            "{}:{}: image {} of camera {} is in {} already; number the images of all files differently, in all cameras alike, put the rows "
-            "of one image into one file, or give the files as those of two cameras",
+            "{}:{}: image {} of camera {} is already in {}; number images differently in all files and "
+            "alike in all cameras, put the rows of one image into one file, or give the files as two "
+            "cameras",
             file, view.corners.front().line, view.image, camera_name, known->second));
       }
       view.file = file;
@@ -193,8 +194,8 @@ ImuData readingsIn(const CsvTable& table, const ImageOf& image_of) {
                             row.line()});
   }
   if (imu.readings.empty()) {
-    badFile(fmt::format("{}:{}: no row has valid = 1; leave out --imu, or mark the readings that can be used",
-                        table.file(), table.rows().back().line()));
+    badFile(fmt::format("{}:{}: no row has valid = 1; drop --imu, or mark usable readings", table.file(),
+                        table.rows().back().line()));
   }
   return imu;
 }
@@ -295,7 +296,7 @@ Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_
   if (!files.useBoard())
     throw DataError("slom.calibration.unused-board",
                     {.place = cameras.empty() ? "" : cameras.front().files.front(),
-                     .fault = "the corner files say themselves where their corners lie",
+                     .fault = "the corner files already state where their corners lie",
                      .remedy = "state no board"});
   return putTogether(cameras, files, found);
 }

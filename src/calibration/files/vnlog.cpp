@@ -131,7 +131,7 @@ class Vnlog {
     const double sigma = level_ != no_column ? std::exp2(value) : 1 / value;
     if (sigma < least_corner_sigma || sigma > most_corner_sigma)
       fail(fmt::format(
-          "{} is \"{}\", by which the corner is {:.3g} times as uncertain as others; write - to skip it",
+          "{} is \"{}\", which makes the corner {:.3g} times as uncertain as others; write - to skip it",
           name, shortened(word, longest_quote), sigma));
     return sigma;
   }

@@ -22,7 +22,7 @@ class XmlReader {
                                             "<opencv_storage>, so give one of cv::FileStorage",
                                             shortened(name, longest_quote)));
     skipBetween();
-    if (!rest_.empty()) document_.fail(line_, "there is more behind </opencv_storage>; remove it");
+    if (!rest_.empty()) document_.fail(line_, "there is text after </opencv_storage>; remove it");
     return root;
   }
 
@@ -111,7 +111,7 @@ class XmlReader {
   void addChild(Node& node, int depth) {
     const int line = line_;
     if (node.kind == Node::Kind::scalar && !node.text.empty())
-      document_.fail(line, "there is an element behind text; remove one of them");
+      document_.fail(line, "there is an element after text; remove one of them");
     Named child = element(depth + 1);
     const Node::Kind kind = child.name == "_" ? Node::Kind::list : Node::Kind::map;
     if (node.items.empty()) node.kind = kind;
@@ -142,7 +142,7 @@ class XmlReader {
       found.push_back(word);
     }
     if (!node.items.empty() || !node.text.empty())
-      document_.fail(line_, "there is text behind an element; remove it");
+      document_.fail(line_, "there is text after an element; remove it");
     if (found.size() == 1) {
       node.text = found.front().text;
     } else {

@@ -70,9 +70,8 @@ class YamlReader {
   /// Parses a tag such as `!!opencv-matrix`, which may be on the line above the value.
   std::string_view takeTag() {
     if (peek() == '&' || peek() == '*' || peek() == '|' || peek() == '>')
-      document_.fail(
-          line_, fmt::format("\"{}\" is YAML of a kind that is not read here; write plain numbers and texts",
-                             shortened(line(), longest_quote)));
+      document_.fail(line_, fmt::format("\"{}\" is YAML that is not supported; write plain numbers and texts",
+                                        shortened(line(), longest_quote)));
     if (peek() != '!') return {};
     const std::size_t begin = at_;
     while (!isBlank(peek())) ++at_;
@@ -147,7 +146,7 @@ class YamlReader {
     }
     if (peek() != ':')
       document_.fail(line_,
-                     fmt::format("there is no colon behind {}; write one", shortened(name, longest_quote)));
+                     fmt::format("there is no colon after {}; write one", shortened(name, longest_quote)));
     ++at_;
     return name;
   }
@@ -210,7 +209,7 @@ class YamlReader {
     } else if (isAtEnd()) {
       failCutOff(of.line);
     } else if (peek() != end) {
-      document_.fail(line_, fmt::format("\"{}\" stands where a comma or {} must be; write one",
+      document_.fail(line_, fmt::format("\"{}\" follows without a comma or {}; write one",
                                         shortened(line(), longest_quote), end));
     }
   }

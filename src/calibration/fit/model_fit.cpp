@@ -116,8 +116,9 @@ Summary optimizeFromStart(RigProblem& problem, const Options& options, const Dat
          .fault = "no start values were found at which the lens sees all corners",
          .remedy =
              robust == Robust::none
-                 ? "look for corners that are far off, or leave out such ones by Settings::robust"
-                 : "look for images whose corners are numbered in another order than the world points, or far off"});
+                 ? "look for corners that are far off, or leave them out by Settings::robust"
+                 : "look for images whose corners are far off, or are numbered in another order than the "
+                   "world points"});
   }
 }
 
@@ -213,7 +214,7 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
     const std::optional<FittedBoard> board = problem.board();
     trial.held_out_squares = heldOutSquares(data, settings, problem.cameras(), problem.rig(), board);
     if (!std::isfinite(trial.heldOutRms()))
-      trial.failure = "corners that it was not fitted to have no image in it";
+      trial.failure = "some corners outside the fit have no image in this model";
   } catch (const DataError& error) {
     trial.failure = error.sentence();
     trial.error = error;

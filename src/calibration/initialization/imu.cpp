@@ -139,7 +139,7 @@ void requireReadingsFollow(const ImuData& imu, const std::vector<TiltPair>& pair
       "slom.calibration.imu-open",
       {.place = imu.place(0),
        .fault = fmt::format(
-           "the readings turn by {:.2g} deg (RMS) from image to image, while the images say that the rig turned "
+           "the readings turn by {:.2g} deg (RMS) from image to image, but by the images the rig turned "
            "by {:.2g} deg against the board",
            readings * degrees, tilts * degrees),
        .remedy = "hold the board still and level, and move the rig"});

@@ -162,19 +162,19 @@ std::vector<Renumbering> renumberings(const Lattice& grid) {
   const int m = grid.columns, n = grid.rows;
   const auto exchanged = [&](int length, int other) {
     return Renumbering{
-        fmt::format("numbered in rows of {} instead of {}, as where rows and columns are exchanged,", length,
-                    other),
+        fmt::format("numbered in rows of {} instead of {} (rows and columns are exchanged)", length, other),
         [=](int i) { return vec2(double(i % length), double(i / length)); }};
   };
   const auto snake = [&](int length) {
-    return Renumbering{fmt::format("numbered in rows of {} that run to and fro", length), [=](int i) {
+    return Renumbering{fmt::format("numbered in rows of {} that run back and forth", length), [=](int i) {
                          const int row = i / length, column = i % length;
                          return vec2(double(row % 2 == 0 ? column : length - 1 - column), double(row));
                        }};
   };
   const auto staggered = [&](int length) {
     return Renumbering{
-        fmt::format("as an asymmetric grid of circles, whose rows of {} are shifted by half by turns,",
+        fmt::format("as an asymmetric grid of circles with rows of {}, every other one shifted by half a "
+                    "spacing,",
                     length),
         [=](int i) { return vec2(2.0 * (i % length) + (i / length) % 2, double(i / length)); }};
   };
@@ -246,14 +246,14 @@ void requireSmoothViews(const CameraData& camera) {
       "slom.calibration.bad-view",
       {.place = nameOf(camera),
        .fault = fmt::format(
-           "corners and world points fit no lens and no plane in {} of {} images: most are {} px off, {:.0f} % of the "
-           "size of the board{}{}",
+           "in {} of {} images, corners and world points fit no lens and no plane: most are {} px off, "
+           "{:.0f} % of the size of the board{}{}",
            hardly_smooth_ones, looked_at.size(), twoDigits(medianOf(distances)), 100 * medianOf(parts),
            numbering.empty() ? "" : "; ", numbering),
-       .remedy =
-           numbering.empty()
-               ? "number the corners and world points in one order, and check that the board is of the stated kind and size"
-               : "correct the world points, or the size of the board"});
+       .remedy = numbering.empty()
+                     ? "number corners and world points in the same order, and check that the board has the "
+                       "stated kind and size"
+                     : "correct the world points, or the size of the board"});
 }
 
 }  // namespace slom::calibration

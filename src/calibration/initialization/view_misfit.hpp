@@ -23,8 +23,8 @@ struct ViewMisfit {
 /// and more.
 ViewMisfit misfitOf(const View& view);
 
-/// Returns a clause about a numbering that fits most of these views, with the remaining distance: `numbered by rows
-/// of 6 instead of 5 (rows and columns exchanged) they fit to 0.3 px`. Empty if none of the usual mistakes fits.
+/// Returns a clause about a numbering that fits most of these views, with the remaining distance: `numbered in rows
+/// of 6 instead of 5 (rows and columns are exchanged) they fit to 0.3 px`. Empty if none of the usual mistakes fits.
 std::string numberingThatFits(const std::vector<const View*>& views);
 
 /// Throws DataError [slom.calibration.bad-view] if the corners of nearly all views of a camera fit no smooth map.

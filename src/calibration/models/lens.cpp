@@ -77,8 +77,8 @@ std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
 Lens lensOf(const CameraResult& camera) {
   if (camera.model.empty()) {
     throw DataError("slom.calibration.bad-camera",
-                    fmt::format("camera {} has no model; pass one of the result of calibrate(), or set model "
-                                "and parameters",
+                    fmt::format("camera {} has no model; pass a camera of the result of calibrate(), or "
+                                "set model and parameters",
                                 camera.name),
                     camera.name);
   }
@@ -86,8 +86,8 @@ Lens lensOf(const CameraResult& camera) {
   if (camera.parameters.size() != model.parameters().size()) {
     throw DataError(
         "slom.calibration.bad-camera",
-        fmt::format("camera {} has parameters: {} instead of the {} of the model {}; set all of them, in the "
-                    "order of Model::parameters()",
+        fmt::format("the number of parameters of camera {} is {} instead of {} for the model {}; set all "
+                    "of them, in the order of Model::parameters()",
                     camera.name, camera.parameters.size(), model.parameters().size(), model.name()),
         camera.name);
   }

@@ -60,8 +60,9 @@ std::string excludedCauses(const Dataset& data, double tilts) {
     for (const View& view : camera.views) distances.push_back(misfitOf(view).px);
   }
   return fmt::format(
-      "none of the usual causes shows: the corners of each image by itself are smooth, to {} px, and boards are tilted by up to {:.0f} degrees from their mean; "
-      "look at the worst images, and try a model with fewer parameters",
+      "no usual cause is found: the corners of each image are consistent to {} px, and boards are tilted "
+      "by up to {:.0f} degrees from their mean; look at the worst images, and try a model with fewer "
+      "parameters",
       twoDigits(medianOf(distances)), tilts * 180 / std::numbers::pi);
 }
 
@@ -159,7 +160,7 @@ void nameOtherEnd(const Dataset& data, const Fit& fit, Result& result) {
       for (Stray& stray : result.strays) {
         if (isOwn(stray))
           stray.why = fmt::format(
-              "its corners are counted from another end of the board: turned by {} degrees, they fit to {} px",
+              "corners are counted from another end of the board: turned by {} degrees, they fit to {} px",
               90 * quarters, twoDigits(found->cameras[c].rms_px));
       }
       return;

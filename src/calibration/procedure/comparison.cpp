@@ -50,7 +50,7 @@ ModelTrial tryOne(const Dataset& data, const Settings& settings, Comparison& com
   }
   if (reason.empty()) return trial;
   comparison.cut_short = reason;
-  trial.failure = "not tried to the end, " + reason;
+  trial.failure = "not tried to the end: " + reason;
   trial.error.reset();
   return trial;
 }
@@ -63,7 +63,7 @@ const ModelTrial& Comparison::chosenTrial() const {
   if (chosen && *chosen < trials.size()) return trials[*chosen];
   throw DataError(
       "slom.calibration.no-result",
-      "no model is chosen, because none of those tried fits; ask Comparison::chosen first, and see "
+      "no model is chosen, because none of the tried models fits; check Comparison::chosen first, and see "
       "ModelTrial::failure",
       "chosen");
 }

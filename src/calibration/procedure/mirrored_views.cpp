@@ -16,7 +16,7 @@ namespace slom::calibration {
 namespace {
 
 constexpr const char* mirrored_why =
-    "it shows the board mirrored: u and v are exchanged, or its corners are numbered from a mirrored corner";
+    "the board is mirrored, because u and v are exchanged or corners are numbered from a mirrored corner";
 
 /// Returns the views of a camera that are certainly mirrored.
 std::vector<Stray> mirroredViewsOf(const CameraData& camera, const BoardPlane& plane) {

@@ -93,7 +93,7 @@ std::vector<Stray> viewsThatDisagree(const Dataset& data, const Settings& settin
                        .error_px = misfits[i].px,
                        .photo = camera.views[i].photo,
                        .is_left_out = true,
-                       .why = fmt::format("its corners disagree by {} px, those of other images by {} px",
+                       .why = fmt::format("corners disagree by {} px, in other images by {} px",
                                           twoDigits(misfits[i].px), twoDigits(usual_px))});
     }
   }
@@ -122,7 +122,7 @@ std::vector<Stray> judged(const std::vector<Stray>& views, const Dataset& data, 
     stray.photo = view.photo;
     if (scale) {
       stray.size = scale->size;
-      stray.why = fmt::format("as an image of {:.3g} times the size of the others it fits to {} px",
+      stray.why = fmt::format("at {:.3g} times the size of the other images, corners fit to {} px",
                               scale->size, twoDigits(scale->rms_px));
     }
     strays.push_back(std::move(stray));

@@ -31,7 +31,7 @@ Board parseName(const std::string& text) {
     const auto colon = rest.find(':');
     if (colon == std::string::npos) {
       throw UserError(fmt::format(
-          "--board {0}: say which dictionary its markers are from, as in --board {0}:4x4_50", text));
+          "--board {0}: the dictionary of the markers is missing; give it, as in --board {0}:4x4_50", text));
     }
     board.dictionary = rest.substr(colon + 1);
     rest.erase(colon);
@@ -73,10 +73,11 @@ void requireLength(const char* option, double value, const Range& range, bool is
   if (is_wanted && value == 0)
     throw UserError(fmt::format("--board {} needs {}, as in {} {}", board, option, option, example));
   if (!is_wanted && value != 0)
-    throw UserError(fmt::format("{} {}: --board {} has no such length; leave it out", option, value, board));
+    throw UserError(
+        fmt::format("{} {}: --board {} has no such length; drop this option", option, value, board));
   if (value != 0 && (value < range.least || value > range.most)) {
-    throw UserError(fmt::format("{} {}: boards that can be printed have {:g} to {:g}{}; give such a value",
-                                option, value, range.least, range.most, range.unit));
+    throw UserError(fmt::format("{} {}: out of range for a printed board; give {:g} to {:g}{}", option, value,
+                                range.least, range.most, range.unit));
   }
 }
 
@@ -113,8 +114,8 @@ Board boardOfTarget(const BoardOptions& options) {
                                       {"--marker", options.marker_m},
                                       {"--spacing", options.spacing}}) {
     if (value != 0)
-      throw UserError(fmt::format("{} {}: {} has the lengths of the board; leave the option out", option,
-                                  value, options.board));
+      throw UserError(fmt::format("{} {}: {} already states the lengths of the board; drop this option",
+                                  option, value, options.board));
   }
   Board board;
   board.columns = target.columns, board.rows = target.rows;
@@ -152,10 +153,10 @@ Board parseBoard(const BoardOptions& options) {
   if (isTargetFile(options.board)) {
     const Board board = boardOfTarget(options);
     if (board.kind != BoardKind::circles) return board;
-    throw UserError(fmt::format(
-        "--board {}: circles are not looked for in photographs; give corner files by --camera, or photographs of a chessboard, "
-        "ChArUco board or AprilGrid",
-        options.board));
+    throw UserError(
+        fmt::format("--board {}: circles cannot be found in photographs; give corner files by --camera, or "
+                    "photographs of a chessboard, ChArUco board or AprilGrid",
+                    options.board));
   }
   Board board = parseName(options.board);
   requireSize(board, options.board);

@@ -85,7 +85,7 @@ void requireSizeLikely(const Board& board, const std::vector<std::string>& photo
   if (!best) return;
   const std::string found = toString(chessboardOf(best->first, board));
   throw UserError(fmt::format(
-      "{}: it shows a chessboard of {} inner corners, not {}; count them where four squares meet, and give "
+      "{}: shows a chessboard of {} inner corners, not {}; count them where four squares meet, and give "
       "--board {}",
       best->second, found, toString(board), found));
 }
@@ -107,9 +107,8 @@ void requireWholeBoard(const Board& board, const std::vector<std::string>& photo
   }
   const std::string larger = toString(chessboardOf(seen, board));
   throw UserError(
-      fmt::format("{}: its board has {} inner corners, more than {}, so that it is open which of them "
-                  "are meant; give "
-                  "--board {}",
+      fmt::format("{}: the board has {} inner corners, more than {}, so it is unknown which of them are "
+                  "meant; give --board {}",
                   photos.front(), larger, toString(board), larger));
 }
 

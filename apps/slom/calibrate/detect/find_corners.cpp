@@ -84,9 +84,8 @@ ImageSize commonSize(const CameraPhotos& camera, const std::vector<Seen>& seen) 
   for (std::size_t i = 0; i < seen.size() && 2 * most <= all; ++i) {
     if (!seen[i].size || sidesOf(*seen[i].size) == common) continue;
     throw UserError(fmt::format(
-        "{}: it has {} x {} pixels, and {} of camera {} {} {} x {}; most photographs of a camera must have "
-        "one "
-        "size, so leave out those of another, or scale none of them",
+        "{}: has {} x {} pixels, but {} of camera {} {} {} x {}; most photographs of a camera must have "
+        "the same size, so leave out the others, or scale no photograph",
         camera.photos[i].file, seen[i].size->width, seen[i].size->height, plural(most, "other photograph"),
         camera.name, most == 1 ? "has" : "have", common.first, common.second));
   }
@@ -98,7 +97,7 @@ void leaveOutOtherSizes(const ImageSize& common, std::vector<Seen>& seen) {
   for (Seen& photo : seen) {
     if (photo.corners.empty() || sidesOf(*photo.size) == sidesOf(common)) continue;
     photo.corners.clear();
-    photo.reason = fmt::format("has {} x {} pixels, where most have {} x {}", photo.size->width,
+    photo.reason = fmt::format("has {} x {} pixels, but most have {} x {}", photo.size->width,
                                photo.size->height, common.width, common.height);
   }
 }
@@ -118,9 +117,8 @@ View viewOf(const Photo& photo, const Board& board, const std::vector<FoundCorne
     if (seen[i].size) readable.push_back(camera.photos[i].file);
   }
   if (readable.empty()) {
-    throw UserError(
-        fmt::format("{}: the file {}, and so it is with all photographs of camera {}; check the pattern",
-                    camera.photos.front().file, seen.front().reason, camera.name));
+    throw UserError(fmt::format("{}: the file {}, like all photographs of camera {}; check the pattern",
+                                camera.photos.front().file, seen.front().reason, camera.name));
   }
   throw UserError(fmt::format("{}: no photograph of camera {} shows the board {}; {}", readable.front(),
                               camera.name, toString(board), adviceOnSize(board)));
@@ -151,7 +149,7 @@ std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras,
     }
     for (const std::string& file : photos[c].unnumbered)
       camera.unused.push_back(
-          {{}, file, "has no number in its name, by which photographs of the same moment are found"});
+          {{}, file, "has no number in its name to pair photographs taken at the same time"});
     std::vector<std::string> with_board;
     for (std::size_t i = 0; i < seen[c].size(); ++i) {
       const Photo& photo = photos[c].photos[i];

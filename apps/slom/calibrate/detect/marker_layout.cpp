@@ -133,14 +133,14 @@ std::optional<OtherDictionary> otherDictionary(const Board& board, const std::ve
                          const MarkerLayout& layout) {
   if (layout.is_legacy) {
     throw UserError(fmt::format(
-        "{}: the markers lie as on a board of {}x{} whose upper left square is white, as OpenCV before 4.6 printed it; print the "
-        "board again by OpenCV 4.6 or later",
+        "{}: the markers match a board of {}x{} whose upper left square is white, as printed by OpenCV "
+        "before 4.6; print the board again with OpenCV 4.6 or later",
         photo, layout.columns, layout.rows));
   }
   const std::string other =
-      dictionary == board.dictionary ? "" : fmt::format(" are of the dictionary {} and", dictionary);
+      dictionary == board.dictionary ? "" : fmt::format(" belong to the dictionary {} and", dictionary);
   throw UserError(
-      fmt::format("{0}: the markers{1} lie as on a board of {2}x{3}; give --board charuco:{2}x{3}:{4}", photo,
+      fmt::format("{0}: the markers{1} match a board of {2}x{3}; give --board charuco:{2}x{3}:{4}", photo,
                   other, layout.columns, layout.rows, dictionary));
 }
 

@@ -83,8 +83,8 @@ std::optional<Photograph> readPhotograph(const std::string& file, std::string& r
   if (stbi_info_from_file(stream.get(), &size.width, &size.height, &channels) == 0)
     return reason = unreadable, std::nullopt;
   if (!isPlausible(size) || std::size_t(size.width) * std::size_t(size.height) > most_pixels) {
-    reason = fmt::format("has {} x {} pixels, where {} on a side and {} in all are the most", size.width,
-                         size.height, most_side_px, most_pixels);
+    reason = fmt::format("has {} x {} pixels, more than {} on a side or {} in all", size.width, size.height,
+                         most_side_px, most_pixels);
     return std::nullopt;
   }
   const bool is_deep = stbi_is_16_bit_from_file(stream.get()) != 0;

@@ -60,15 +60,15 @@ FilesByNumber numbered(const CameraFile& camera, std::vector<std::string>& unnum
       const auto [known, is_new] = files.emplace(number, file);
       if (is_new || known->second == file) continue;
       throw UserError(fmt::format(
-          "{}: camera {} has image {} already, {}; the last number in the name must tell its photographs "
-          "apart",
+          "{}: camera {} already has image {}, {}; the last number in the name must distinguish its "
+          "photographs",
           file, camera.name, number, known->second));
     }
   }
   if (files.empty()) {
     throw UserError(fmt::format(
-        "{}: there is no number in its name, by which photographs of the same moment are found, nor in that of another one of camera {}; rename them, as "
-        "in {}07.jpg",
+        "{}: no photograph of camera {} has a number in its name to pair photographs taken at the same "
+        "time; rename them, as in {}07.jpg",
         unnumbered.front(), camera.name, camera.name));
   }
   return files;

@@ -143,7 +143,7 @@ class Scene {
     for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, e => this.fingers.delete(e.pointerId));
     canvas.addEventListener("pointermove", e => this.drag(e));
     canvas.addEventListener("wheel", e => {
-      if (!e.ctrlKey && document.activeElement !== canvas) return;  // the page scrolls until the user clicks the picture
+      if (!e.ctrlKey && document.activeElement !== canvas) return;  // the page scrolls until the picture is clicked
       e.preventDefault();
       this.zoom(Math.exp(-e.deltaY * (e.deltaMode === 1 ? 0.05 : 0.0015)));
       this.redraw();

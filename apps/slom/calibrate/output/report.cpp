@@ -120,7 +120,7 @@ std::string boardLines(const FittedBoard& board) {
                                         [](const MovedCorner& a, const MovedCorner& b) {
                                           return a.displacement.norm() < b.displacement.norm();
                                         });
-  std::string text = fmt::format("\nboard: {}, {}, RMS from where they are stated: {} mm off the plane",
+  std::string text = fmt::format("\nboard: {}, {}, RMS from their stated positions: {} mm off the plane",
                                  toString(board.shape), plural(board.corners.size(), "corner"),
                                  twoDigits(mm * board.off_plane));
   if (board.shape == BoardShape::free)
@@ -169,10 +169,10 @@ std::string abridged(std::vector<std::string> names) {
 std::string unusedText(const CameraData& camera) {
   std::map<std::string, std::vector<std::string>> files;
   for (const UnusedPhoto& photo : camera.unused)
-    files["as it " + photo.reason].push_back(oneLine(photo.file));
+    files["because it " + photo.reason].push_back(oneLine(photo.file));
   for (const Copy& copy : camera.copies)
-    files["as it repeats another image"].push_back(copy.photo.empty() ? fmt::format("image {}", copy.image)
-                                                                      : oneLine(copy.photo));
+    files["because it repeats another image"].push_back(
+        copy.photo.empty() ? fmt::format("image {}", copy.image) : oneLine(copy.photo));
   for (const Exclusion& one : camera.excluded)
     files["by --exclude"].push_back(one.corner ? fmt::format("corner {} of image {}", *one.corner, one.image)
                                                : fmt::format("image {}", one.image));
@@ -252,7 +252,7 @@ std::string aloneHeader(const CommandSettings& settings) {
 std::string singleCameraText(const SingleCameraReport& alone) {
   const std::string outcome = alone.converged ? fmt::format("RMS {:.4f} px after {}", alone.rms_px,
                                                             plural(alone.iterations, "iteration"))
-                                              : "no fit of its own, goes on with the start values";
+                                              : "no fit alone, start values are used";
   return fmt::format("  {:<10}{}; start: {}\n", alone.camera->name, outcome, alone.start);
 }
 

@@ -244,23 +244,24 @@ std::vector<std::string> sentencesOf(const ClusteredUncertainty& clustered) {
   std::vector<std::string> sentences;
   if (!clustered.isReliable()) {
     sentences.push_back(fmt::format(
-        "There are only {} images: clustered standard deviations are estimated from as few numbers, and say little "
-        "beyond their degrees of freedom. Projection uncertainty and verdict stay with the stated ones; from {} images on they take the "
-        "clustered ones.",
+        "There are only {} images: the clustered standard deviations are estimated from as few numbers, "
+        "and are as uncertain as their degrees of freedom say. Projection uncertainty and verdict use the "
+        "stated ones; from {} images on, they use the clustered ones.",
         clustered.images, ClusteredUncertainty::fewest_images));
   } else if (clustered.images < 2 * fewest_blocks) {
     sentences.push_back(fmt::format(
-        "There are only {} images, too few to see whether images that follow each other share errors; {} are needed.",
+        "There are only {} images, too few to see whether successive images share errors; {} are needed.",
         clustered.images, 2 * fewest_blocks));
   }
   if (!clustered.levels_off) {
     sentences.push_back(fmt::format(
-        "The variances still grow with blocks of {} successive images, of which there are {}: errors are shared for longer, {}.",
+        "The variances still grow with blocks of {} successive images ({} blocks): errors are shared over "
+        "longer series, {}.",
         clustered.block_length, clustered.blocks,
         clustered.extrapolation > 1
             ? fmt::format(
-                  "as by a drift or a model that is too simple. By how much follows from that growth: the clustered standard deviations are "
-                  "{} times those of these blocks, and rough",
+                  "for example by a drift or a model that is too simple. The growth is extrapolated: the "
+                  "clustered standard deviations are {} times those of these blocks, and rough",
                   fixedDecimals(clustered.extrapolation, 1))
             : "and the clustered standard deviations are too small"));
   }

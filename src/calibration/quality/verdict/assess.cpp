@@ -164,7 +164,7 @@ void requireResultOf(const Dataset& data, const Settings& settings, const Result
   const std::string model = result.cameras.empty() ? "" : result.cameras.front().model;
   if (difference.empty() && model != settings.model.name())
     difference =
-        fmt::format("the result is of the model {}, the settings of {}", model, settings.model.name());
+        fmt::format("the result has the model {}, the settings have {}", model, settings.model.name());
   if (difference.empty() && result.sigma_px != settings.sigma_px)
     difference = fmt::format("sigma_px is {} in the result, and {} in the settings", result.sigma_px,
                              settings.sigma_px);

@@ -36,7 +36,7 @@ void doubtImages(const Result& result, std::vector<std::string>& doubts) {
   for (const ImageResult* image : result.worstImages(3)) {
     if (image->chi2PerMeasurement() < limit) return;
     doubts.push_back(
-        fmt::format("image {} should be looked at: its residuals are {} times the usual ones", image->image,
+        fmt::format("the residuals of image {} are {} times the usual ones; check the image", image->image,
                     fixedDecimals(std::sqrt(image->chi2PerMeasurement() / medianChi2(result)), 1)));
   }
 }
@@ -58,8 +58,8 @@ void doubtLeverage(const Result& result, std::vector<std::string>& doubts) {
     if (!(corner.error_without_px > hidden * corner.error_px)) continue;
     if (++count > 3) return;
     doubts.push_back(fmt::format(
-        "corner {} of image {} of {} draws the fit to itself: without it, it is {} px off", corner.number,
-        corner.image, result.cameras[corner.camera].name, twoDigits(corner.error_without_px)));
+        "corner {} of image {} of {} pulls the fit towards it: in a fit without it, it is {} px off",
+        corner.number, corner.image, result.cameras[corner.camera].name, twoDigits(corner.error_without_px)));
   }
 }
 
@@ -67,7 +67,8 @@ void doubtNoise(const Result& result, std::vector<std::string>& doubts) {
   const double observed = std::sqrt(result.chi2PerDof());
   if (!(observed > too_noisy)) return;
   doubts.push_back(fmt::format(
-      "the residuals are {} times what the stated sigmas allow, so all {} are too small by about that factor",
+      "the residuals are {} times as large as the stated sigmas predict, so all {} are too small by about "
+      "that factor",
       fixedDecimals(observed, 1),
       result.quality->is_clustered ? "stated uncertainties" : "uncertainties here"));
 }
@@ -77,8 +78,8 @@ void doubtIndependence(const Result& result, std::vector<std::string>& doubts) {
       !(result.clustered->ratio > much_more_than_stated))
     return;
   doubts.push_back(fmt::format(
-      "errors last over many images, as by a drift or a model that is too simple, so that all uncertainties are rough, and {} "
-      "times the stated ones",
+      "errors last over many images, for example by a drift or a model that is too simple, so all "
+      "uncertainties are rough, at {} times the stated ones",
       fixedDecimals(result.clustered->ratio, 1)));
 }
 
@@ -92,7 +93,8 @@ void doubtPatterns(const Result& result, std::vector<std::string>& doubts) {
       case ResidualPattern::Kind::board_shape:
         if (!std::exchange(has_board, true))
           doubts.push_back(fmt::format(
-              "corners of the board are not where they are stated to be, by at least {} mm off its plane and {} mm within it",
+              "corners of the board are displaced from their stated positions, by at least {} mm off the "
+              "plane and {} mm within it",
               twoDigits(1e3 * pattern.value), twoDigits(1e3 * pattern.second)));
         break;
       case ResidualPattern::Kind::image_place:
@@ -105,10 +107,11 @@ void doubtPatterns(const Result& result, std::vector<std::string>& doubts) {
       case ResidualPattern::Kind::row_readout:
         if (!isExplained(pattern, result))
           doubts.push_back(
-              fmt::format("rows of {} seem to be read out one after the other while it moves", camera));
+              fmt::format("{} seems to read its rows one after the other while it moves", camera));
         break;
       case ResidualPattern::Kind::time_offset:
-        doubts.push_back(fmt::format("{} and {} are not simultaneous", result.cameras.front().name, camera));
+        doubts.push_back(fmt::format("{} and {} do not take their images at the same time",
+                                     result.cameras.front().name, camera));
         break;
       default:
         break;
@@ -144,7 +147,7 @@ void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
     if (!std::isfinite(camera.rms_px) || !std::isfinite(camera.expected_rms_px) ||
         !std::isfinite(camera.probability)) {
       doubts.push_back(fmt::format(
-          "two halves of the images of {} cannot be compared, as one of them gives no usable lens",
+          "two halves of the images of {} cannot be compared, because one of them gives no usable lens",
           result.cameras[c].name));
       continue;
     }
@@ -152,7 +155,7 @@ void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
         camera.rms_px < halves_differ * noise * camera.expected_rms_px)
       continue;
     doubts.push_back(
-        fmt::format("two halves of the images of {} disagree by {} px where noise alone gives {} px",
+        fmt::format("two halves of the images of {} disagree by {} px, more than the {} px from noise alone",
                     result.cameras[c].name, twoDigits(camera.rms_px), twoDigits(camera.expected_rms_px)));
   }
 }

@@ -21,7 +21,7 @@ std::string remedyFor(const Result& result, const CameraQuality& camera) {
     return !is_parallel || !one.edge_away.empty();
   });
   if (view != views.end()) return "add " + placeOf(*view, result);
-  return is_parallel ? "tilt the board by 30 degrees and more, about both axes"
+  return is_parallel ? "tilt the board by at least 30 degrees, about both axes"
                      : "add images of boards that reach the border";
 }
 
@@ -29,7 +29,7 @@ std::string remedyFor(const Result& result, const CameraQuality& camera) {
 /// tilted.
 std::string causeOf(const CameraQuality& camera) {
   if (!(camera.tilt_spread < nearly_parallel)) return "";
-  return fmt::format(", as its boards are nearly parallel, within {} degrees of their mean",
+  return fmt::format(", because its boards are nearly parallel, within {} degrees of their mean",
                      twoDigits(std::max(0.1, camera.tilt_spread * degrees)));
 }
 
@@ -52,7 +52,8 @@ std::string openRays(const Result& result, std::size_t c) {
   const double open = openPercent(result.quality->cameras[c].projection.front());
   if (open == 0) return "";
   return fmt::format(
-      "the lens model of {} has no ray for {:.0f} % of its image: it folds over there, outside of the corners",
+      "the lens model of {} has no ray for {:.0f} % of its image: it folds over there, outside the "
+      "corners",
       result.cameras[c].name, open);
 }
 
@@ -63,12 +64,13 @@ std::string openProjection(const Result& result, std::size_t c) {
   const ProjectionUncertainty& near = camera.projection.front();
   const ProjectionUncertainty* const far = atInfinity(camera);
   if (camera.focal_std > most_focal_std)
-    return fmt::format("the focal length of {} is known to {} % only{}; {}", name,
+    return fmt::format("the focal length of {} is known only to {} %{}; {}", name,
                        twoDigits(100 * camera.focal_std), causeOf(camera), remedyFor(result, camera));
   if (near.worst_px > worst_bearable_px) {
     const std::string cause = causeOf(camera);
     return fmt::format(
-        "corners do not reach far enough in the image of {}, so that its projection is uncertain by up to {} px{}",
+        "corners do not reach far enough into the image of {}, so its projection is uncertain by up to {} "
+        "px{}",
         name, twoDigits(near.worst_px), cause.empty() ? "" : cause + "; " + remedyFor(result, camera));
   }
   if (far && far->worst_px > worst_bearable_px)
@@ -76,7 +78,7 @@ std::string openProjection(const Result& result, std::size_t c) {
                        twoDigits(far->worst_px), causeOf(camera), remedyFor(result, camera));
   const double side = std::max(camera.grid.box.width, camera.grid.box.height);
   if (camera.centre_std_px > most_centre_std * side)
-    return fmt::format("the image centre of {} is known to {} px only{}; {}", name,
+    return fmt::format("the image centre of {} is known only to {} px{}; {}", name,
                        twoDigits(camera.centre_std_px), causeOf(camera), remedyFor(result, camera));
   return "";
 }

@@ -63,7 +63,7 @@ void findMisfit(const Result& result, std::vector<ImuFinding>& findings) {
   if (!(imu.rms_acc > limit)) return;
   findings.push_back(
       {ImuFinding::Kind::misfit,
-       fmt::format("the readings of the IMU are off by {} m/s^2 (RMS), where {} are stated",
+       fmt::format("the readings of the IMU are off by {} m/s^2 (RMS), but {} are stated",
                    twoDigits(imu.rms_acc), twoDigits(result.sigma_acc)),
        "check their unit, their image numbers, and that the rig stood still and the board lay level", true});
 }
@@ -72,8 +72,8 @@ void findSign(const ImuResult& imu, std::vector<ImuFinding>& findings) {
   if (imu.sign_evidence < 9) {
     findings.push_back(
         {ImuFinding::Kind::sign,
-         "the sign of gravity is open: the images are tilted about one axis only, and the other sign (with "
-         "the IMU turned half round) fits as well",
+         "the sign of gravity is undetermined: the images are tilted about one axis only, and the other "
+         "sign (with the IMU turned by half a turn) fits as well",
          "add images tilted about another axis"});
   } else if (imu.up_is_known && imu.gravity * imu.up_by_z < 0) {
     // A reflection of the axes and the opposite sign of gravity leave the same residuals, so only the user can
@@ -81,9 +81,10 @@ void findSign(const ImuResult& imu, std::vector<ImuFinding>& findings) {
     const bool points_up = imu.reads_gravity;
     findings.push_back(
         {ImuFinding::Kind::handedness,
-         fmt::format("the readings of the IMU point {} by {} m/s^2 at rest, where they must point {}",
+         fmt::format("the readings of the IMU point {} by {} m/s^2 at rest, but they must point {}",
                      points_up ? "up" : "down", twoDigits(std::abs(imu.gravity)), points_up ? "down" : "up"),
-         "check whether one or all of its axes have the wrong sign, or two are exchanged, unless the sensor reports gravity itself",
+         "unless the sensor reports gravity itself, check whether one or all of its axes have the wrong "
+         "sign, or two are exchanged",
          true});
   }
 }
@@ -95,8 +96,8 @@ void findWeakness(const ImuResult& imu, std::vector<ImuFinding>& findings) {
   ImuFinding finding{
       ImuFinding::Kind::weak,
       fmt::format("acc_bias and gravity are weakly determined, because the tilts of the images spread by "
-                  "{:.1f} deg only: they trade off against each other and against the rotation (multiple "
-                  "correlation of gravity with acc_bias {:.4f})",
+                  "only {:.1f} deg: the two trade off against each other and against the rotation "
+                  "(multiple correlation of gravity with acc_bias {:.4f})",
                   imu.tilt_spread * 180 / std::numbers::pi, std::sqrt(1 - 1 / (ratio * ratio))),
       "add images with more tilt, about both axes"};
   finding.is_doubt = imu.gravity_std > weak_gravity || imu.precision.rotation > weak_rotation;

@@ -79,13 +79,13 @@ void requireQuality(const Result& result) {
            "result");
   if (!result.quality)
     refuse(
-        "there is no verdict on a result without an assessment; set result.quality to assess(data, "
-        "settings, result) before",
+        "there is no verdict on a result without an assessment; first set result.quality to assess(data, "
+        "settings, result)",
         "quality");
   if (!isOfSameRig(*result.quality, result))
     refuse(
-        "there is no verdict on a result with the assessment of another one; set result.quality to "
-        "assess(data, settings, result) before",
+        "there is no verdict on a result with the assessment of another one; first set result.quality to "
+        "assess(data, settings, result)",
         "quality");
 }
 
