@@ -10,7 +10,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double secondsLeft(const Limits& limits) {
-  using Seconds = std::chrono::duration<double>;  // the difference of any two points in time has one
+  using Seconds =
+      std::chrono::duration<double>;  // two time points of any resolution have a difference in this type
   const Clock::time_point now = Clock::now(), since = limits.since.value_or(now);
   return limits.max_seconds - (Seconds(now.time_since_epoch()) - Seconds(since.time_since_epoch())).count();
 }
@@ -27,7 +28,7 @@ Settings started(Settings settings) {
 }
 
 void applyLimits(const Limits& limits, Options& options) {
-  constexpr double no_time = 1e-9;  // what the estimator takes must be positive
+  constexpr double no_time = 1e-9;  // the estimator takes positive limits only
   options.should_stop = limits.should_stop;
   if (limits.max_seconds > 0) options.max_seconds = std::max(secondsLeft(limits), no_time);
 }

@@ -1,4 +1,4 @@
-// Limits of the work, as fits and loops ask for them.
+// Limits on the work of fits and loops.
 #pragma once
 
 #include <stdexcept>
@@ -10,21 +10,21 @@
 
 namespace slom::calibration {
 
-/// Thrown out of work that is of no use unfinished, and caught by the library; the text is reasonToEnd().
+/// Thrown to end work whose partial result has no use; caught by the library. The text is reasonToEnd().
 struct WorkEnded : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The same settings, whose time counts from now unless they say from when.
+/// Returns the settings with limits.since set to now, unless it is set.
 Settings started(Settings settings);
 
-/// Gives a fit what is left of the limits.
+/// Sets the options of one fit to what remains of the limits.
 void applyLimits(const Limits& limits, Options& options);
-/// Names the whole limit in the message of such a fit, which knows what was left of it alone.
+/// Replaces the summary's message after a time limit: names the whole limit, not the rest that the fit was given.
 void nameLimit(const Limits& limits, Summary& summary);
-/// `time limit of 5 s reached` or `interrupted`; empty while the work may go on.
+/// Returns `time limit of 5 s reached` or `interrupted`; empty if the work may go on.
 std::string reasonToEnd(const Limits& limits);
-/// Throws WorkEnded when there is a reason to end.
+/// Throws WorkEnded if reasonToEnd() gives a reason.
 void requireTime(const Limits& limits);
 
 }  // namespace slom::calibration

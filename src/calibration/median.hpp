@@ -9,7 +9,7 @@
 
 namespace slom::calibration {
 
-/// The number that half of them are below, the upper one of the two in the middle; 0 of none.
+/// Returns the median, the upper of the two middle numbers for an even count; 0 for an empty list.
 inline double medianOf(std::vector<double> numbers) {
   if (numbers.empty()) return 0;
   const auto middle = numbers.begin() + std::ptrdiff_t(numbers.size() / 2);
@@ -17,7 +17,8 @@ inline double medianOf(std::vector<double> numbers) {
   return *middle;
 }
 
-/// The standard deviation of u and of v that distances of normal noise show: their median over that of a Rayleigh distribution.
+/// Estimates the standard deviation of u and of v from distances, assuming normal noise: the median distance, divided
+/// by the median of a Rayleigh distribution.
 inline double noiseOfDistances(std::vector<double> distances) {
   return medianOf(std::move(distances)) / std::sqrt(2 * std::log(2.0));
 }

@@ -8,7 +8,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Decimals that show two significant digits of a positive number.
+/// Returns the number of decimals that shows two significant digits of a positive number.
 int decimalsOf(double number) {
   const int decimals = 1 - static_cast<int>(std::floor(std::log10(number)));
   const double rounded = std::round(number * std::pow(10, decimals));  // 0.0996 rounds to 0.10

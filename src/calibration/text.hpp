@@ -1,4 +1,4 @@
-// Words of messages.
+// Words for messages.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace slom::calibration {
 
-/// `1 image`, `2 images`
+/// Returns `1 image`, `2 images`.
 inline std::string counted(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }

@@ -151,9 +151,9 @@ TEST_F(Copies, OfOneImageAloneAreRefused) {
 TEST_F(Copies, InTwoCamerasAreRefused) {
   right().views = left().views;
   EXPECT_EQ(refusal(),
-            "camera left and camera right have the same corners in 5 of 5 images, where image 1 of right is "
-            "image 1 of "
-            "left; these are photographs of one camera, so correct the files of the other, or leave it out");
+            "cameras left and right have the same corners in 5 of 5 images: image 1 of right is image 1 "
+            "of left; these are photographs of one camera, so correct the files of the other camera, or "
+            "leave it out");
 }
 
 TEST_F(Copies, InTwoCamerasUnderOtherNumbersAreRefused) {
@@ -194,24 +194,21 @@ TEST_F(Copies, AreNamedInReportJsonAndPage) {
                              "right=" + (folder / "right.csv").string(), "--intrinsics", "radial1", "--json",
                              (folder / "r.json").string(), "--report", (folder / "r.html").string()});
   EXPECT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_NE(result.output.find("  left: left out, as it repeats another image: b.png\n"), std::string::npos)
+  EXPECT_NE(result.output.find("  left: left out, because it repeats another image: b.png\n"),
+            std::string::npos)
       << result.output;
   EXPECT_NE(result.output.find("image 22, image 23 and 6 more\n"), std::string::npos) << result.output;
   const json found = json::parse(readFile(folder / "r.json"));
   const std::string left_note =
-      "Of camera left, image 11 (b.png) repeats image 2 (a.png) to within 0.000 px, so it is left out: a "
-      "copy is not a "
-      "second measurement.";
+      "Camera left: image 11 (b.png) repeats image 2 (a.png) to within 0.000 px, so it is left out; a "
+      "copy is not a second measurement.";
   ASSERT_GE(found["notes"].size(), 2u);
   EXPECT_EQ(found["notes"][0], left_note);
   EXPECT_EQ(found["notes"][1],
-            "Of camera right, image 12 repeats image 1, image 13 repeats image 1, image 14 repeats image 1, "
-            "image 15 "
-            "repeats image 1, image 16 repeats image 1, image 17 repeats image 1, image 18 repeats image 1, "
-            "image 19 "
-            "repeats image 1 and 10 more repeat others to within 0.000 px, so they are left out: a copy is "
-            "not a second "
-            "measurement.");
+            "Camera right: image 12 repeats image 1, image 13 repeats image 1, image 14 repeats image 1, "
+            "image 15 repeats image 1, image 16 repeats image 1, image 17 repeats image 1, image 18 "
+            "repeats image 1, image 19 repeats image 1 and 10 more repeat others to within 0.000 px, so "
+            "they are left out; a copy is not a second measurement.");
   EXPECT_NE(readFile(folder / "r.html").find(left_note), std::string::npos);
   EXPECT_EQ(found["cameras"]["left"]["images"], 5);
   EXPECT_EQ(found["cameras"]["left"]["copies"][0]["repeats"], 2);

@@ -67,10 +67,9 @@ TEST(Exclude, RefusesWhatIsNotThere) {
   EXPECT_EQ(error("17"), "slom: --exclude 17: there is no image 17; the nearest are 10, 11, 12\n");
   EXPECT_EQ(error("a.0"), "slom: --exclude a.0: that camera has no image 0; the nearest are 1, 2, 3\n");
   EXPECT_EQ(error("c.3"), "slom: --exclude c.3: there is no camera c; name one of b, a\n");
-  EXPECT_EQ(
-      error("3:5"),
-      "slom: --exclude 3:5: several cameras have that image, and number corners each in their way; name the camera, as "
-      "in b.3:5\n");
+  EXPECT_EQ(error("3:5"),
+            "slom: --exclude 3:5: several cameras have that image, and each numbers corners in its own way; "
+            "name the camera, as in b.3:5\n");
   EXPECT_EQ(error("3:99", false),
             "slom: --exclude 3:99: image 3 of camera a has no corner 99; the nearest are 46, 47, 48\n");
   for (const std::string text : {"x", "3:", ":5", "3:5:1", "3.5x", ""}) {
@@ -109,11 +108,11 @@ TEST(Exclude, SaysWhatIsExcludedTwice) {
     return "no error";
   };
   EXPECT_EQ(sentence({{"", 5, {}}, {"", 5, {}}}),
-            "exclusion 5: another exclusion has left that out already; give one of the two");
+            "exclusion 5: another exclusion already leaves that out; give one of the two");
   EXPECT_EQ(sentence({{"a", 5, {}}, {"a", 5, 7}}),
-            "exclusion a.5:7: another exclusion has left that out already; give one of the two");
+            "exclusion a.5:7: another exclusion already leaves that out; give one of the two");
   EXPECT_EQ(sentence({{"a", 5, 7}, {"a", 5, 7}}),
-            "exclusion a.5:7: another exclusion has left that out already; give one of the two");
+            "exclusion a.5:7: another exclusion already leaves that out; give one of the two");
   EXPECT_EQ(sentence({{"a", 5, {}}, {"", 5, {}}}), "no error");
 }
 
@@ -166,7 +165,7 @@ TEST(BoardShapeOption, EstimatesTheBoard) {
   ASSERT_EQ(bent.exit_code, 0);
   report = json::parse(std::ifstream(out));
   EXPECT_EQ(report["board"]["shape"], "bent");
-  EXPECT_NE(bent.output.find("\nboard: bent, 48 corners, RMS from where they are stated: "),
+  EXPECT_NE(bent.output.find("\nboard: bent, 48 corners, RMS from their stated positions: "),
             std::string::npos)
       << bent.output;
   ASSERT_EQ(files.run({"--json", out}, false).exit_code, 0);
@@ -183,7 +182,7 @@ TEST(BoardShapeOption, IsComparedUnlessItIsGiven) {
   EXPECT_EQ(shapes["models"][1]["board_shape"], "bent");
   EXPECT_EQ(shapes["chosen_board_shape"], "flat");
   EXPECT_NE(all.output.find("\nshapes of the board compared\n"), std::string::npos);
-  EXPECT_NE(all.output.find("The data do not ask for another board than the stated one."), std::string::npos)
+  EXPECT_NE(all.output.find("The data support no other board than the stated one."), std::string::npos)
       << all.output;
   ASSERT_EQ(files.run({"--compare", "opencv5", "--board-shape", "bent", "--json", out}, false).exit_code, 0);
   const json report = json::parse(std::ifstream(out));
@@ -200,15 +199,13 @@ TEST(BoardShapeOption, RefusesWhatMakesNoSense) {
     return result.errors;
   };
   EXPECT_EQ(error({"--board-shape", "round"}),
-            "slom: --board-shape round: the shape of a board is flat, bent or free\n");
+            "slom: --board-shape round: unknown shape; give flat, bent or free\n");
   EXPECT_EQ(error({"--board-shape", "free", "--sigma-board", "0"}),
             "slom: --sigma-board 0: a standard deviation must be positive\n");
-  EXPECT_EQ(
-      error({"--board-shape", "free", "--sigma-board", "1e-12"}),
-      "slom: --sigma-board 1e-12: a standard deviation lies between 1e-09 and 1e+06 m; give such a value\n");
-  EXPECT_EQ(
-      error({"--sigma-board", "0.001"}),
-      "slom: --sigma-board 0.001: it is by how much corners of a free board are off; add --board-shape free\n");
+  EXPECT_EQ(error({"--board-shape", "free", "--sigma-board", "1e-12"}),
+            "slom: --sigma-board 1e-12: standard deviation out of range; give 1e-09 to 1e+06 m\n");
+  EXPECT_EQ(error({"--sigma-board", "0.001"}),
+            "slom: --sigma-board 0.001: applies only to a free board; add --board-shape free\n");
 }
 
 TEST(BoardShapeOption, ModelsAreComparedAgainOnTheBoardThatIsChosen) {
@@ -242,8 +239,9 @@ TEST(RobustOption, RejectsGrossCornersUnlessItIsNone) {
   const std::string out = files.path("r.json");
   const CommandResult rejected = files.run({"--json", out}, false);
   ASSERT_EQ(rejected.exit_code, 0) << rejected.errors;
-  const std::string sentence = "One corner was left out of the fit, as the others contradict it: corner " +
-                               std::to_string(wrong.number) + " of image 4 of camera a (";
+  const std::string sentence =
+      "One corner was left out of the fit, because the others contradict it: corner " +
+      std::to_string(wrong.number) + " of image 4 of camera a (";
   const json report = json::parse(std::ifstream(out));
   ASSERT_EQ(report["notes"].size(), 2u) << report["notes"];
   const std::string note = report["notes"][0];
@@ -272,7 +270,8 @@ TEST(RobustOption, RejectsGrossCornersUnlessItIsNone) {
   const CommandResult unknown = files.run({"--robust", "huge"}, false);
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_EQ(unknown.errors,
-            "slom: --robust huge: what becomes of gross corners is none, reject, huber or cauchy\n");
+            "slom: --robust huge: unknown treatment of gross corners; give none, reject, huber or "
+            "cauchy\n");
 }
 
 }  // namespace

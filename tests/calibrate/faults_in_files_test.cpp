@@ -89,8 +89,9 @@ TEST(CalibrateFaults, PhotographForATable) {
     files.left = beginning + files.left;
     expectDataRefused(
         files,
-        "left.csv: this is a photograph, where a table with the header "
-        "\"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\" must be; slom calibrate takes photographs by --images");
+        "left.csv: this is a photograph instead of a table with the header "
+        "\"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\"; slom calibrate takes photographs by "
+        "--images");
   }
   Files files;
   files.left = "a\0b"s + files.left;
@@ -186,16 +187,16 @@ TEST(CalibrateFaults, AllPointsOnALine) {
   files.left = filtered(files.left, [](int image, int corner) { return image != 2 || corner <= 4; });
   expectDataRefused(
       files,
-      "left.csv:18: image 2: all its world points, or all but one, lie on a line; a pose needs at least "
-      "two off it, so add corners or remove the image");
+      "left.csv:18: image 2: all world points, or all but one, lie on a line; a pose needs at least two "
+      "points off the line, so add corners or remove the image");
 }
 TEST(CalibrateFaults, AllPointsButOneOnALine) {
   Files files;
   files.left = filtered(files.left, [](int image, int corner) { return image != 2 || corner <= 5; });
   expectDataRefused(
       files,
-      "left.csv:18: image 2: all its world points, or all but one, lie on a line; a pose needs at least "
-      "two off it, so add corners or remove the image");
+      "left.csv:18: image 2: all world points, or all but one, lie on a line; a pose needs at least two "
+      "points off the line, so add corners or remove the image");
 }
 TEST(CalibrateFaults, AllPixelsOnALine) {
   Files files;
@@ -207,15 +208,15 @@ TEST(CalibrateFaults, AllPixelsOnALine) {
   }
   expectDataRefused(
       files,
-      "left.csv:18: image 2: all its pixels, or all but one, lie on a line, as of a board seen from its "
-      "edge; remove the image");
+      "left.csv:18: image 2: all pixels, or all but one, lie on a line, as if the board were seen edge-on; "
+      "remove the image");
 }
 TEST(CalibrateFaults, PointsNotInAPlane) {
   Files files;
   files.left = withLine(files.left, 20, "2,3,0.16,0,0.15,100,100");
   expectDataRefused(
       files,
-      "left.csv:18: image 2: its world points do not lie in a plane (they are off by 0.033 m); the start "
+      "left.csv:18: image 2: the world points do not lie in a plane (they are off by 0.033 m); the start "
       "values need a flat board, so correct the points or remove the image");
 }
 TEST(CalibrateFaults, OneImage) {
@@ -277,8 +278,8 @@ TEST(CalibrateFaults, CameraWithoutCommonImage) {
   files.right = replaced(replaced(replaced(files.right, "\n1,", "\n11,"), "\n2,", "\n12,"), "\n3,", "\n13,");
   expectDataRefused(
       files,
-      "right.csv:2: camera right has no image in common with camera left, nor with one that has; take "
-      "images of the board with both at the same time, or calibrate them apart");
+      "right.csv:2: no common images connect camera right with camera left, not even through other "
+      "cameras; take images of the board with both at the same time, or calibrate them separately");
 }
 TEST(CalibrateFaults, ImuRowForAnUnknownImage) {
   Files files;
@@ -320,8 +321,7 @@ TEST(CalibrateFaults, ImuReadingThatCannotBe) {
 TEST(CalibrateFaults, ImuWithoutValidRow) {
   Files files;
   files.imu = imu_header + "1,0,0,0,0\n2,0,0,0,0\n";
-  expectDataRefused(
-      files, "imu.csv:3: no row has valid = 1; leave out --imu, or mark the readings that can be used");
+  expectDataRefused(files, "imu.csv:3: no row has valid = 1; drop --imu, or mark usable readings");
 }
 TEST(CalibrateFaults, ImuNotDetermined) {
   Files files;

@@ -275,8 +275,9 @@ TEST(CalibrateFit, ASingleWrongCornerIsNamed) {
   });
   ASSERT_TRUE(r.result.success());
   const int number = r.data.cameras[1].views[2].corners[17].number;
-  EXPECT_TRUE(isNoted(r.result, {"One corner was left out of the fit, as the others contradict it: corner " +
-                                 std::to_string(number) + " of image 3 of camera b (camera.csv:"}));
+  EXPECT_TRUE(
+      isNoted(r.result, {"One corner was left out of the fit, because the others contradict it: corner " +
+                         std::to_string(number) + " of image 3 of camera b (camera.csv:"}));
   Settings settings;
   settings.robust = Robust::none;
   const auto kept = run(RigOptions{}, settings, 13, [](Dataset& data) {

@@ -315,16 +315,16 @@ TEST(ForeignFiles, WithoutABoardTheOptionsAreNamed) {
        "c.yml: the file does not say how many corners the board has in a row; pass --board COLUMNSxROWS, its inner corners"});
   expectRefused({"not needed",
                  {"t.csv", testing::cornerFile(camera), {"--board", "7x5", "--square", "0.05"}},
-                 "t.csv: the corner files say themselves where their corners lie; drop --board"});
+                 "t.csv: the corner files already state where their corners lie; drop --board"});
   expectRefused(
       {"squares of 50 mm",
        {"s.yml", slom::testing::replaced(sampleYaml(camera), "square_size: 0.05", "square_size: 50"), {}},
-       "s.yml:8: square_size is 50, and no unit is said, in which metres are unlikely; pass --square METRES"});
+       "s.yml:8: square_size is 50 without a unit, and metres are unlikely; pass --square METRES"});
   std::string json = listsJson(camera);
-  expectRefused(
-      {"points that count squares",
-       {"l.json", json, {}},
-       "l.json:1: object_points are 1 apart, and no unit is said, in which metres are unlikely; pass --square METRES"});
+  expectRefused({"points that count squares",
+                 {"l.json", json, {}},
+                 "l.json:1: object_points are 1 apart without a unit, and metres are unlikely; pass --square "
+                 "METRES"});
 }
 
 TEST(ForeignFiles, ABoardWithRowsAndColumnsExchangedIsNamed) {
@@ -397,19 +397,19 @@ TEST(ForeignFiles, BadOnesAreRefusedInOneSentence) {
       {"a number too few",
        {"s.yml", replaced(yaml, "[ " + u + ",\n", "[\n"), {}},
        fmt::format(
-           "s.yml:20: image_points has {} numbers where rows, cols and dt say {}; copy the file again",
+           "s.yml:20: image_points has {} numbers, but rows, cols and dt give {}; copy the file again",
            70 * camera.views.size() - 1, 70 * camera.views.size())});
   expectRefused({"NaN",
                  {"s.yml", replaced(yaml, "[ " + u, "[ .Nan"), {}},
                  "s.yml:20: image_points is \".Nan\"; write a finite number there, or remove the image"});
   expectRefused({"two boards",
                  {"s.yml", yaml, {"--board", "5x7"}},
-                 "s.yml:6: the board is of 7 x 5 corners, and 5 x 7 are stated; correct one of them"});
-  expectRefused(
-      {"no corners",
-       {"s.yml", replaced(yaml, "image_points", "extrinsics"), {}},
-       "s.yml:3: there is no key image_points, but calibration_time, image_width, image_height, board_width,...; write the "
-       "corners too, as OpenCV's calibration sample does with -op"});
+                 "s.yml:6: the file has a board of 7 x 5 corners, but 5 x 7 are stated; correct one of "
+                 "them"});
+  expectRefused({"no corners",
+                 {"s.yml", replaced(yaml, "image_points", "extrinsics"), {}},
+                 "s.yml:3: there is no key image_points, only calibration_time, image_width, image_height, "
+                 "board_width,...; write the corners too, as OpenCV's calibration sample does with -op"});
   expectRefused({"a target",
                  {"t.yaml", "target_type: 'checkerboard'\n", {}},
                  "t.yaml:1: this is a target of Kalibr, without corners; give it as the board"});

@@ -27,11 +27,10 @@ TEST(CalibrateHostile, ACoordinateBeyondAllImages) {
 TEST(CalibrateHostile, CornersOutsideOfTheStatedImages) {
   SLOM_SKIP_WITHOUT_SHARED_DATA("hostile/nl.csv");
   const auto result = testing::runCalibrate({"--camera", "l=" + hostile("nl.csv")});
-  EXPECT_EQ(
-      result.errors,
-      "slom: " + hostile("nl.csv") +
-          ":3: corner 5 of image 1 of camera l is at the pixel (655.85, 112.477), outside of images of 640 x 480 px, as 128 of "
-          "144 corners are; correct the size, or the corners\n");
+  EXPECT_EQ(result.errors,
+            "slom: " + hostile("nl.csv") +
+                ":3: corner 5 of image 1 of camera l is at the pixel (655.85, 112.477), outside the image of "
+                "640 x 480 px, like 128 of 144 corners; correct the size or the corners\n");
   EXPECT_EQ(result.exit_code, 2);
 }
 
@@ -75,8 +74,8 @@ TEST(CalibrateHostile, ACornerFarOffThatIsKept) {
       EXPECT_TRUE(
           result.errors ==
               "slom: " + file +
-                  ": no start values were found at which the lens sees all corners; look for corners that are far off, or leave out "
-                  "such ones by --robust reject\n" ||
+                  ": no start values were found at which the lens sees all corners; look for corners that "
+                  "are far off, or leave them out by --robust reject\n" ||
           result.errors.find("lie on a line") != std::string::npos)
           << result.errors;
     }

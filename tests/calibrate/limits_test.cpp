@@ -73,7 +73,7 @@ TEST(Limits, OfAComparison) {
   EXPECT_EQ(comparison.cut_short, "time limit of 1e-06 s reached");
   ASSERT_EQ(comparison.trials.size(), 2u);
   for (const ModelTrial& trial : comparison.trials)
-    EXPECT_EQ(trial.failure, "not tried to the end, time limit of 1e-06 s reached");
+    EXPECT_EQ(trial.failure, "not tried to the end: time limit of 1e-06 s reached");
   EXPECT_FALSE(comparison.chosen);
   const std::string text = comparisonText(comparison);
   EXPECT_NE(text.find("* The comparison was cut short: time limit of 1e-06 s reached."), std::string::npos)

@@ -56,7 +56,7 @@ TEST(MirroredViews, AreLeftOutAndNamed) {
     for (const Stray& stray : result.strays) {
       EXPECT_TRUE(stray.is_left_out && stray.is_mirrored) << seed;
       EXPECT_EQ(stray.why,
-                "it shows the board mirrored: u and v are exchanged, or its corners are numbered from a "
+                "the board is mirrored, because u and v are exchanged or corners are numbered from a "
                 "mirrored corner");
     }
     EXPECT_EQ(result.images.size(), views.size() - 2) << seed;
@@ -150,12 +150,11 @@ TEST(MirroredViews, TheCommandNamesTheImageAndEndsWith1) {
   exchangeUAndV(data.cameras[0].views[4]);
   const auto result = testing::runWithUnusableResult(data.cameras[0]);
   EXPECT_NE(result.errors.find(
-                "an image contradicts the others: cam.5; it shows the board mirrored: u and v are "
-                "exchanged, or its corners are numbered from a mirrored corner; correct it, or leave "
-                "it out by --exclude"),
+                "image cam.5 contradicts the others: the board is mirrored, because u and v are exchanged or "
+                "corners are numbered from a mirrored corner; correct it or leave it out by --exclude"),
             std::string::npos)
       << result.errors;
-  EXPECT_NE(result.output.find("Image 5 of camera cam contradicts the others: it shows the board mirrored"),
+  EXPECT_NE(result.output.find("Image 5 of camera cam contradicts the others: the board is mirrored"),
             std::string::npos)
       << result.output;
 }

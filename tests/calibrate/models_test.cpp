@@ -223,9 +223,9 @@ TEST(Opencv8, IsHeldNearZeroWhereTheImagesLeaveItOpen) {
   }
   EXPECT_EQ(
       notes(result).front(),
-      "The images leave open what k4, k5, k6 are, because numerator and denominator of opencv8 do the same on them. These "
-      "were held at 0 +- 1 each, and the standard deviations hold on that condition. A model with fewer parameters says as "
-      "much: --intrinsics opencv5, or --compare.");
+      "The images do not determine k4, k5, k6, because numerator and denominator of opencv8 have the same "
+      "effect there. These were held at 0 +- 1 each; the standard deviations hold if they stay there. A "
+      "model with fewer parameters does as well: --intrinsics opencv5, or --compare.");
   const Comparison comparison = compareModels(data, settings, {Model("opencv5"), Model("opencv8")});
   for (const ModelTrial& trial : comparison.trials) EXPECT_EQ(trial.failure, "");
 }
@@ -301,7 +301,7 @@ TEST(Comparison, IsPrintedAndStored) {
                                " RMS px  predicted px  behind best [se]\n"),
             std::string::npos)
       << result.output;
-  EXPECT_NE(result.output.find("  * The data carry opencv4: "), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("  * The data support opencv4: "), std::string::npos) << result.output;
   EXPECT_NE(result.output.find("\neach camera alone, model opencv4\n"), std::string::npos);
   const json stored = json::parse(slom::testing::readFile(folder / "result.json"));
   EXPECT_EQ(stored["comparison"]["chosen"], "opencv4");

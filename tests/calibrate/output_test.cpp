@@ -80,13 +80,13 @@ TEST(Notes, ResidualsThatDoNotFitTheSigmas) {
   result.cameras[0].rms_px *= 0.6;
   result.imu->rms_acc *= 3;
   EXPECT_EQ(notes(result), (std::vector<std::string>{
-                               "The residuals of the corners are 1.7 times smaller than --sigma-px "
-                               "0.25 says; --sigma-px 0.15 would fit them. The stated standard deviations "
-                               "are those of the stated sigmas.",
+                               "The residuals of the corners are 1.7 times smaller than --sigma-px 0.25 "
+                               "predicts; --sigma-px 0.15 would fit them. The stated standard deviations "
+                               "follow from the stated sigmas.",
                                "The residuals of the IMU are 3.0 times larger than --sigma-acc 0.05 "
-                               "says; --sigma-acc 0.15 would fit them, unless the model is too "
-                               "simple or the worst images are wrong. The stated standard deviations "
-                               "are those of the stated sigmas."}));
+                               "predicts; --sigma-acc 0.15 would fit them, unless the model is too simple "
+                               "or the worst images are wrong. The stated standard deviations follow from "
+                               "the stated sigmas."}));
 }
 
 TEST(Notes, CameraThatFitsWorseTogether) {
@@ -107,10 +107,9 @@ TEST(Notes, ImagesThatContradictTheOthers) {
   EXPECT_EQ(
       notes(result),
       (std::vector<std::string>{
-          "Image 3 of camera right contradicts the others: where they put it, its corners are 47 px "
-          "off. Was it taken at the same time as image 3 of camera left? If not, leave it out "
-          "(--exclude right.3) or correct its number. Otherwise look whether its corners were taken for their neighbours, a row or "
-          "column further."}));
+          "Image 3 of camera right contradicts the others by 47 px. Was it taken at the same time as "
+          "image 3 of camera left? If not, leave it out (--exclude right.3) or correct its number. "
+          "Otherwise check whether its corners were taken for their neighbours, a row or column further."}));
 }
 
 TEST(Notes, MostImagesOfACameraContradictTheOthersInOneNote) {
@@ -124,8 +123,8 @@ TEST(Notes, MostImagesOfACameraContradictTheOthersInOneNote) {
   ASSERT_GE(found.size(), 2u);
   EXPECT_EQ(
       found[0],
-      "3 of the 5 images of camera right contradict those of camera left: where these put them, their corners are 43 to 47 px off. Image numbers or time "
-      "stamps of this camera do not belong to those of the other one; correct them.");
+      "3 of the 5 images of camera right contradict those of camera left, by 43 to 47 px. Image numbers "
+      "or time stamps of this camera do not match those of the other one; correct them.");
   EXPECT_TRUE(found[1].starts_with("Image 9 of camera left contradicts the others")) << found[1];
 }
 
@@ -136,11 +135,9 @@ TEST(Notes, AnImageOfTheReferenceIsComparedWithTheOtherCamera) {
   result.cameras[1].name = "right";
   EXPECT_EQ(
       notes(result)[0],
-      "Image 3 of camera left contradicts the others: where they put it, its corners are - px off. Was "
-      "it taken at the same "
-      "time as image 3 of camera right? If not, leave it out (--exclude left.3) or correct its number. Otherwise look "
-      "whether its corners were taken "
-      "for their neighbours, a row or column further.");
+      "Image 3 of camera left contradicts the others by - px. Was it taken at the same time as image 3 of "
+      "camera right? If not, leave it out (--exclude left.3) or correct its number. Otherwise check "
+      "whether its corners were taken for their neighbours, a row or column further.");
 }
 
 TEST(Notes, WeakGravityAndOpenSign) {
@@ -150,13 +147,13 @@ TEST(Notes, WeakGravityAndOpenSign) {
   EXPECT_EQ(
       notes(result),
       (std::vector<std::string>{
-          "The sign of gravity is open: the images are tilted about one axis only, and the other sign "
-          "(with the IMU turned half round) fits as well. Add images tilted about another axis.",
-          "acc_bias and gravity are weakly determined, because the tilts of the images spread by 28.6 deg "
-          "only: they trade off against each other and against the rotation (multiple correlation of "
-          "gravity with acc_bias 0.9950). The table of the imu says what --fix gravity=9.81 or --fix "
-          "acc_bias=X,Y,Z would bring; images with more tilt, about both axes, help without assuming "
-          "anything."}));
+          "The sign of gravity is undetermined: the images are tilted about one axis only, and the other "
+          "sign (with the IMU turned by half a turn) fits as well. Add images tilted about another axis.",
+          "acc_bias and gravity are weakly determined, because the tilts of the images spread by only "
+          "28.6 deg: the two trade off against each other and against the rotation (multiple correlation "
+          "of gravity with acc_bias 0.9950). The table of the imu shows the gain from --fix gravity=9.81 "
+          "or --fix acc_bias=X,Y,Z; images with more tilt, about both axes, help without such "
+          "assumptions."}));
 }
 
 TEST(Notes, GravityOfAnotherPlanet) {

@@ -156,7 +156,7 @@ TEST(SecondLook, ASingleGrossCornerIsTheCause) {
         const testing::TemporaryFolder folder;
         const testing::CommandResult result = calibratedByCommand(data, folder, {"--robust", robust});
         const std::string said = result.output + result.errors;
-        EXPECT_EQ(said.find("none of the usual causes"), std::string::npos)
+        EXPECT_EQ(said.find("no usual cause is found"), std::string::npos)
             << robust << " " << seed << " " << off << "\n"
             << said;
         EXPECT_NE(said.find(fmt::format("corner {}", data.cameras[0].views[2].corners[10].number)),
@@ -263,7 +263,7 @@ TEST(SecondLook, TheCommandWritesNoYamlOfATornView) {
   auto& corners = data.cameras[0].views[4].corners;
   for (std::size_t k = corners.size() / 2; k < corners.size(); ++k) corners[k].pixel += vec2(60., -35.);
   const auto result = testing::runWithUnusableResult(data.cameras[0]);
-  EXPECT_NE(result.errors.find("cam.5; its corners disagree by "), std::string::npos) << result.errors;
+  EXPECT_NE(result.errors.find(": corners disagree by "), std::string::npos) << result.errors;
 }
 
 }  // namespace

@@ -50,10 +50,8 @@ TEST(DataInMemory, NamesOfCameras) {
       refusal([](Dataset& data) { data.cameras[1].name = "left"; }),
       "[slom.calibration.bad-camera] cameras[0] and cameras[1] are both called left; give each camera a "
       "name of its own");
-  EXPECT_EQ(
-      refusal([](Dataset& data) { data.cameras[1].name.clear(); }),
-      "[slom.calibration.bad-camera] cameras[1] has no name; give it one, by which results and messages "
-      "call it");
+  EXPECT_EQ(refusal([](Dataset& data) { data.cameras[1].name.clear(); }),
+            "[slom.calibration.bad-camera] cameras[1] has no name; give it one for results and messages");
 }
 
 TEST(DataInMemory, ImageSizes) {
@@ -69,7 +67,7 @@ TEST(DataInMemory, ImageSizes) {
 
 TEST(DataInMemory, ViewsWithoutContent) {
   EXPECT_EQ(refusal([](Dataset& data) { data.cameras[1].views.clear(); }),
-            "[slom.calibration.too-few-views] camera right: there is no corner in it; add some");
+            "[slom.calibration.too-few-views] camera right: has no corners; add some");
   EXPECT_EQ(
       refusal([](Dataset& data) { data.cameras[1].views[2].corners.clear(); }),
       "[slom.calibration.bad-view] image 2 of camera right has no corners; add at least 4, or remove the "
@@ -86,8 +84,8 @@ TEST(DataInMemory, ViewsWithoutContent) {
   };
   EXPECT_EQ(
       refusal(flat),
-      "[slom.calibration.bad-view] camera left: image 0: all its world points, or all but one, lie on a "
-      "line; a pose needs at least two off it, so add corners or remove the image");
+      "[slom.calibration.bad-view] camera left: image 0: all world points, or all but one, lie on a line; "
+      "a pose needs at least two points off the line, so add corners or remove the image");
 }
 
 TEST(DataInMemory, AnImageTwice) {
@@ -150,8 +148,8 @@ TEST(DataInMemory, ImagesThatAreTooSmallForTheirCorners) {
   const std::size_t all = data.cameras[1].cornerCount(), few = all / 20;
   const auto expected = [&](const std::string& pixel, const std::string& question) {
     return "[slom.calibration.bad-corner] corner 7 of image 0 of camera right is at the pixel " + pixel +
-           ", outside of images of 2000 x 1000 px, as " + std::to_string(few + 1) + " of " +
-           std::to_string(all) + " corners are" + question + "; correct the size, or the corners";
+           ", outside the image of 2000 x 1000 px, like " + std::to_string(few + 1) + " of " +
+           std::to_string(all) + " corners" + question + "; correct the size or the corners";
   };
   EXPECT_EQ(refusal(withOutside(few + 1, {2001.5, 3.})), expected("(2001.5, 3)", ""));
   EXPECT_EQ(refusal(withOutside(few + 1, {-1.5, 3.})), expected("(-1.5, 3)", ""));
@@ -207,8 +205,8 @@ TEST(DataInMemory, ReadingsThatMakeNoSense) {
       "[slom.calibration.bad-reading] imu.readings[4]: the reading of image 4 is (0, 0, inf) m/s^2; give "
       "finite numbers of magnitude 1e+06 m/s^2 at most, or leave the reading out");
   EXPECT_EQ(refusalOf([](ImuReading& r) { r.image = 1; }),
-            "[slom.calibration.bad-reading] imu.readings[4]: image 1 has a reading already, imu.readings[1]; "
-            "keep one, or the mean of both");
+            "[slom.calibration.bad-reading] imu.readings[4]: image 1 already has a reading, "
+            "imu.readings[1]; keep one, or the mean of both");
 }
 
 TEST(DataInMemory, ReadingsAreNamedByTheirIndexOrTheirLine) {
@@ -270,9 +268,9 @@ TEST(DataInMemory, StayAsTheyWereWhereCopiesCannotBeLeftOut) {
 
 TEST(BoardInMemory, IsRefusedWhereItDeterminesNothing) {
   EXPECT_EQ(messageOf([] { fitPlane({}); }),
-            "[slom.calibration.bad-view] there are corners: 0, which determine no plane; pass at least 3");
+            "[slom.calibration.bad-view] too few corners for a plane: 0; pass at least 3");
   EXPECT_EQ(messageOf([] { outlineOf(View()); }),
-            "[slom.calibration.bad-view] there are corners: 0, which determine no plane; pass at least 3");
+            "[slom.calibration.bad-view] too few corners for a plane: 0; pass at least 3");
   const Corner corner{1, vec3(nan, 0., 0.), vec2(1., 1.)};
   EXPECT_EQ(
       messageOf([&] {

@@ -91,13 +91,13 @@ TEST(CornerFiles, PartsThatDoNotFit) {
   EXPECT_EQ(refusal({}), "[slom.calibration.bad-file] camera left has no file of corners; give at least one");
   EXPECT_EQ(
       refusal({a, b}),
-      "[slom.calibration.bad-file] " + b + ":2: image 1 of camera left is in " + a +
-          " already; number the images of all files differently, in all cameras alike, put the rows of one image into one file, or "
-          "give the files as those of two cameras");
+      "[slom.calibration.bad-file] " + b + ":2: image 1 of camera left is already in " + a +
+          "; number images differently in all files and alike in all cameras, put the rows of one image into "
+          "one file, or give the files as two cameras");
   EXPECT_EQ(refusal({a, small, large}),
             "[slom.calibration.bad-file] " + large +
-                ": images are of 640 x 480 pixels, but of 320 x 240 in a file before it; give files of one "
-                "camera alone");
+                ": images have 640 x 480 pixels, but 320 x 240 in an earlier file; give files of only one "
+                "camera");
 }
 
 /// The same table with other separators and ends of lines.
@@ -162,7 +162,7 @@ TEST(ImuFiles, ReadingsThatAreValid) {
   EXPECT_EQ(imu.place(0), (folder / "imu.csv").string() + ":2");
   EXPECT_EQ(messageOf([&] { readImu(written(folder, "none.csv", imu_header + "3,0,0,9.75,0\n")); }),
             "[slom.calibration.bad-file] " + (folder / "none.csv").string() +
-                ":2: no row has valid = 1; leave out --imu, or mark the readings that can be used");
+                ":2: no row has valid = 1; drop --imu, or mark usable readings");
 }
 
 /// mrcal's corners; the command's tests read them in all formats.
@@ -191,7 +191,7 @@ TEST(ForeignCornerFiles, NeedTheirBoard) {
               readRig({{"left", {table}}}, "", BoardOfFiles{3, 3, 0.05});
             }),
             "[slom.calibration.unused-board] " + table +
-                ": the corner files say themselves where their corners lie; state no board");
+                ": the corner files already state where their corners lie; state no board");
   EXPECT_EQ(messageOf([&] { readKalibrTarget(written(folder, "t.yaml", "target_type: 'dots'\n")); }),
             "[slom.calibration.bad-file] " + (folder / "t.yaml").string() +
                 ":1: target_type is \"dots\"; write checkerboard, circlegrid or aprilgrid");

@@ -37,8 +37,8 @@ TEST(ImageNumbers, StampsThatDifferALittleAreOneImage) {
   EXPECT_NEAR(numbers.largestDifference(), 1500, 1e-6);
   EXPECT_EQ(
       sentenceOf(numbers),
-      "image numbers are time stamps; 2 images pair those of different cameras that are nearest to each other, and differ by up to "
-      "1500, 0.0015 % of their spacing");
+      "image numbers are time stamps; 2 images pair the nearest stamps of different cameras, which differ "
+      "by up to 1500, 0.0015 % of their spacing");
 }
 
 TEST(ImageNumbers, FilesWithStampsAndOldLineEndsAreRead) {

@@ -43,17 +43,16 @@ TEST_F(ResultInMemory, IsAssessedWithItsData) { EXPECT_EQ(assessmentOf(data), "n
 TEST_F(ResultInMemory, OfOtherCameras) {
   Dataset other = data;
   other.cameras.pop_back();
-  expectRefused(other, "there are cameras: 1 in the data, 2 in the result");
+  expectRefused(other, "the number of cameras is 1 in the data and 2 in the result");
   other = data;
   std::swap(other.cameras[0], other.cameras[1]);
   expectRefused(other, "cameras[0] is called right in the data, and left in the result");
   other = data;
   other.cameras[1].views[3].corners.pop_back();
-  expectRefused(other, "there are corners of camera right: 209 in the data, 210 in the result");
-  EXPECT_EQ(
-      messageOf([&] { assess(data, settings, Result()); }),
-      "[slom.calibration.no-result] there is nothing to assess: there are cameras: 2 in the data, 0 in the "
-      "result; pass the result of calibrate() with these data and settings");
+  expectRefused(other, "the number of corners of camera right is 209 in the data and 210 in the result");
+  EXPECT_EQ(messageOf([&] { assess(data, settings, Result()); }),
+            "[slom.calibration.no-result] there is nothing to assess: the number of cameras is 2 in the data "
+            "and 0 in the result; pass the result of calibrate() with these data and settings");
 }
 
 TEST_F(ResultInMemory, OfOtherImages) {
@@ -69,10 +68,10 @@ TEST_F(ResultInMemory, OfOtherImages) {
 TEST_F(ResultInMemory, OfAnotherImu) {
   Dataset other = data;
   other.imu.reset();
-  expectRefused(other, "there is an IMU in the result alone");
+  expectRefused(other, "there is an IMU only in the result");
   other = data;
   other.imu->readings.pop_back();
-  expectRefused(other, "there are readings of the IMU: 5 in the data, 6 in the result");
+  expectRefused(other, "the number of IMU readings is 5 in the data and 6 in the result");
   other = data;
   other.imu->readings[2].image = 70;
   const std::string unknown_image =
@@ -81,7 +80,7 @@ TEST_F(ResultInMemory, OfAnotherImu) {
   EXPECT_EQ(assessmentOf(other), unknown_image);
   EXPECT_EQ(pixelsOf(other), unknown_image);
   result.imu.reset();
-  expectRefused(data, "there is an IMU in the data alone");
+  expectRefused(data, "there is an IMU only in the data");
 }
 
 TEST_F(ResultInMemory, OfOtherSettings) {
@@ -89,7 +88,7 @@ TEST_F(ResultInMemory, OfOtherSettings) {
                     after = "; pass the result of calibrate() with these data and settings";
   settings.model = Model("opencv8");
   EXPECT_EQ(assessmentOf(data),
-            before + "the result is of the model opencv4, the settings of opencv8" + after);
+            before + "the result has the model opencv4, the settings have opencv8" + after);
   settings.model = Model("opencv4");
   settings.sigma_px = 0.5;
   EXPECT_EQ(assessmentOf(data), before + "sigma_px is 0.25 in the result, and 0.5 in the settings" + after);
@@ -107,20 +106,19 @@ TEST_F(ResultInMemory, WithoutTheParametersOfTheModel) {
   CameraResult camera = result.cameras[1];
   camera.parameters.resize(3);
   const std::string missing =
-      "[slom.calibration.bad-camera] camera right has parameters: 3 instead of the 8 of the model opencv4; set "
-      "all of them, in the order of Model::parameters()";
+      "[slom.calibration.bad-camera] the number of parameters of camera right is 3 instead of 8 for the "
+      "model opencv4; set all of them, in the order of Model::parameters()";
   EXPECT_EQ(messageOf([&] { camera.project(vec3(0., 0., 1.)); }), missing);
   EXPECT_EQ(messageOf([&] { camera.ray(vec2(320., 240.)); }), missing);
   result.cameras[1] = camera;
   EXPECT_EQ(assessmentOf(data), missing);
   camera.model.clear();
-  EXPECT_EQ(
-      messageOf([&] { camera.project(vec3(0., 0., 1.)); }),
-      "[slom.calibration.bad-camera] camera right has no model; pass one of the result of calibrate(), or "
-      "set model and parameters");
+  EXPECT_EQ(messageOf([&] { camera.project(vec3(0., 0., 1.)); }),
+            "[slom.calibration.bad-camera] camera right has no model; pass a camera of the result of "
+            "calibrate(), or set model and parameters");
   const std::string count =
-      "[slom.calibration.bad-question] there are parameters: 2 instead of the 8 of the model opencv4; pass all "
-      "of them, in the order of Model::parameters()";
+      "[slom.calibration.bad-question] the number of parameters is 2 instead of 8 for the model opencv4; "
+      "pass all of them, in the order of Model::parameters()";
   const Model model("opencv4");
   EXPECT_EQ(messageOf([&] { model.forOpencv({1, 2}); }), count);
   EXPECT_EQ(messageOf([&] { model.forRos({1, 2}); }), count);
@@ -129,13 +127,13 @@ TEST_F(ResultInMemory, WithoutTheParametersOfTheModel) {
 
 TEST_F(ResultInMemory, HasNoVerdictWithoutAnAssessment) {
   EXPECT_EQ(messageOf([&] { verdictOf(result); }),
-            "[slom.calibration.no-quality] there is no verdict on a result without an assessment; set "
-            "result.quality to assess(data, settings, result) before");
+            "[slom.calibration.no-quality] there is no verdict on a result without an assessment; first "
+            "set result.quality to assess(data, settings, result)");
   result.quality = assess(data, settings, result);
   EXPECT_EQ(messageOf([&] { verdictOf(result); }), "no error");
   const std::string of_another =
-      "[slom.calibration.no-quality] there is no verdict on a result with the assessment of another one; set "
-      "result.quality to assess(data, settings, result) before";
+      "[slom.calibration.no-quality] there is no verdict on a result with the assessment of another one; "
+      "first set result.quality to assess(data, settings, result)";
   Result other = result;
   other.quality->cameras.pop_back();
   EXPECT_EQ(messageOf([&] { verdictOf(other); }), of_another);
@@ -173,8 +171,8 @@ TEST_F(ResultInMemory, OfAComparisonWithoutAChoice) {
       messageOf([&] { compareModels(data, settings, {}); }),
       "[slom.calibration.bad-settings] there is no model to compare; pass some, such as comparedModels()");
   EXPECT_EQ(messageOf([] { Comparison().chosenTrial(); }),
-            "[slom.calibration.no-result] no model is chosen, because none of those tried fits; ask "
-            "Comparison::chosen first, and see ModelTrial::failure");
+            "[slom.calibration.no-result] no model is chosen, because none of the tried models fits; "
+            "check Comparison::chosen first, and see ModelTrial::failure");
 }
 
 TEST(SettingsInMemory, TimeCountsFromAnyPoint) {
@@ -226,14 +224,14 @@ TEST(SettingsInMemory, ThatMakeNoSense) {
   EXPECT_EQ(constrained({{"left", "fx", -500, -500}}),
             id + "fx is fixed at -500; give a value from 0.001 to 1e+09 px");
   EXPECT_EQ(constrained({{"left", "fx", -500, 0}}),
-            id + "fx is to lie between -500 and 0; give limits about values from 0.001 to 1e+09 px");
+            id + "fx is to lie between -500 and 0; give limits that allow values from 0.001 to 1e+09 px");
   EXPECT_EQ(constrained({{"left", "cx", 2e6, 2e6}}),
             id + "cx is fixed at 2000000; give a value from -1e+06 to 1e+06 px");
   EXPECT_EQ(constrained({{"", "k1", -testing::infinity, testing::infinity}}), "no error");
   EXPECT_EQ(constrained({{"", "k1", 1, -1}}),
             id + "k1 cannot lie between 1 and -1; give the lower limit first");
   EXPECT_EQ(constrained({{"up", "k1", 0, 0}}),
-            id + "there is no camera up to constrain k1 of; correct the name");
+            id + "there is no camera up whose k1 can be constrained; correct the name");
   EXPECT_EQ(constrained({{"", "k1", 0, 0}, {"left", "k1", -1, 1}}),
             id + "k1 of camera left is constrained twice, by lens[0] and lens[1]; keep one of the two");
   EXPECT_EQ(constrained({{"", "k1", 0, 0}, {"", "k2", 0, 0}, {"", "k1", 0, 0}}),

@@ -151,13 +151,13 @@ TEST_F(Images, WithoutABoardOrUnreadableAreListedAndLeftOut) {
   const CommandResult result = run(stereo({"--json", "result.json"}));
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.errors, "");
-  EXPECT_NE(result.output.find("  left: left out, as it is empty: left08.pgm\n"), std::string::npos)
+  EXPECT_NE(result.output.find("  left: left out, because it is empty: left08.pgm\n"), std::string::npos)
       << result.output;
-  EXPECT_NE(result.output.find("  left: left out, as it shows no board: left07.pgm"), std::string::npos);
-  EXPECT_NE(
-      result.output.find("  right: left out, as it is not an image that can be read (JPEG, PNG, BMP, PGM), "
-                         "or is damaged: right10.pgm\n"),
-      std::string::npos);
+  EXPECT_NE(result.output.find("  left: left out, because it shows no board: left07.pgm"), std::string::npos);
+  EXPECT_NE(result.output.find(
+                "  right: left out, because it is not an image that can be read (JPEG, PNG, BMP, PGM), "
+                "or is damaged: right10.pgm\n"),
+            std::string::npos);
   const json left = json::parse(readFile(folder / "result.json"))["cameras"]["left"];
   ASSERT_EQ(left["unused"].size(), 3u);
   EXPECT_EQ(left["unused"][1], json({{"image", 8}, {"file", "left08.pgm"}, {"reason", "is empty"}}));
@@ -194,7 +194,7 @@ TEST_F(Images, OfOddSizesAreListedAndLeftOut) {
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.errors, "");
   const json unused = json::parse(readFile(folder / "result.json"))["cameras"]["left"]["unused"];
-  const std::string most = " pixels, where 100000 on a side and 300000000 in all are the most";
+  const std::string most = " pixels, more than 100000 on a side or 300000000 in all";
   const auto photo = [](int image, const std::string& reason) {
     return json({{"image", image},
                  {"file", "left" + std::string(image < 10 ? "0" : "") + std::to_string(image) + ".png"},
@@ -204,7 +204,7 @@ TEST_F(Images, OfOddSizesAreListedAndLeftOut) {
                           photo(9, "is not an image that can be read (JPEG, PNG, BMP, PGM), or is damaged"),
                           photo(10, "has 99999 x 1 pixels, too few to show a board"),
                           photo(11, "is not a regular file"), photo(12, "is not a regular file")}));
-  EXPECT_NE(result.output.find("  left: left out, as it has 16777215 x 1" + most + ": left08.png\n"),
+  EXPECT_NE(result.output.find("  left: left out, because it has 16777215 x 1" + most + ": left08.png\n"),
             std::string::npos)
       << result.output;
 }
@@ -217,8 +217,8 @@ TEST_F(Images, OfThePublicDataThatFilledTheMemory) {
            (hostile / "bomb1.png").string(), "--images", "right=right*", "--quiet"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.errors, "slom: " + (hostile / "bomb1.png").string() +
-                               ": camera left has image 1 already, left01.pgm; the last number in the name "
-                               "must tell its photographs apart\n");
+                               ": camera left already has image 1, left01.pgm; the last number in the "
+                               "name must distinguish its photographs\n");
 }
 
 /// A corner file may name any file as a photograph. Such a file is never opened, so a pipe that nobody writes to blocks
@@ -244,9 +244,8 @@ TEST_F(Images, ThatACornerFileNamesAreNotOpened) {
 
 TEST_F(Images, FaultsOfAllPhotographsAreErrors) {
   for (int i = 1; i <= 6; ++i) writeFile(folder / ("left0" + std::to_string(i) + ".pgm"), "");
-  expectRefused(
-      stereo(),
-      "left01.pgm: the file is empty, and so it is with all photographs of camera left; check the pattern");
+  expectRefused(stereo(),
+                "left01.pgm: the file is empty, like all photographs of camera left; check the pattern");
 }
 
 struct OddImages : Images {
@@ -265,8 +264,9 @@ TEST_F(OddImages, OfAnotherSizeAreListedAndLeftOut) {
   narrow({3});
   const CommandResult result = run(stereo({"--json", "result.json"}));
   EXPECT_EQ(result.exit_code, 0) << result.errors;
-  const std::string reason = "has 600 x 480 pixels, where most have 640 x 480";
-  EXPECT_NE(result.output.find("  left: left out, as it " + reason + ": left03.pgm\n"), std::string::npos)
+  const std::string reason = "has 600 x 480 pixels, but most have 640 x 480";
+  EXPECT_NE(result.output.find("  left: left out, because it " + reason + ": left03.pgm\n"),
+            std::string::npos)
       << result.output;
   const json cameras = json::parse(readFile(folder / "result.json"))["cameras"];
   EXPECT_EQ(cameras["left"]["unused"], json({{{"image", 3}, {"file", "left03.pgm"}, {"reason", reason}}}));
@@ -279,8 +279,8 @@ TEST_F(OddImages, OfDifferentSizesWithoutAMajorityAreRefused) {
   narrow({2, 3, 5});
   expectRefused(
       stereo(),
-      "left01.pgm: it has 640 x 480 pixels, and 3 other photographs of camera left have 600 x 480; most "
-      "photographs of a camera must have one size, so leave out those of another, or scale none of them");
+      "left01.pgm: has 640 x 480 pixels, but 3 other photographs of camera left have 600 x 480; most "
+      "photographs of a camera must have the same size, so leave out the others, or scale no photograph");
 }
 
 TEST_F(Images, GivenTwiceAreLeftOut) {
@@ -292,11 +292,9 @@ TEST_F(Images, GivenTwiceAreLeftOut) {
   const json found = json::parse(readFile(folder / "result.json"));
   EXPECT_EQ(found["cameras"]["left"]["images"], 6);
   EXPECT_EQ(found["notes"][0],
-            "Of camera left, image 7 (left07.pgm) repeats image 1 (left01.pgm), image 8 (left08.pgm) repeats "
-            "image 2 "
-            "(left02.pgm), image 9 (left09.pgm) repeats image 3 (left03.pgm) to within 0.000 px, so they are "
-            "left out: a "
-            "copy is not a second measurement.");
+            "Camera left: image 7 (left07.pgm) repeats image 1 (left01.pgm), image 8 (left08.pgm) repeats "
+            "image 2 (left02.pgm), image 9 (left09.pgm) repeats image 3 (left03.pgm) to within 0.000 px, "
+            "so they are left out; a copy is not a second measurement.");
 }
 
 TEST_F(Images, OfABoardOfAnotherSizeAreToldWhichOneItIs) {
@@ -310,8 +308,8 @@ TEST_F(Images, OfABoardOfAnotherSizeAreToldWhichOneItIs) {
   for (int i = 3; i <= 6; ++i) std::filesystem::remove(folder / ("left0" + std::to_string(i) + ".pgm"));
   expectRefused(
       options("5x17"),
-      "left01.pgm: it shows a chessboard of 6x9 inner corners, not 5x17; count them where four squares "
-      "meet, and give --board 6x9");
+      "left01.pgm: shows a chessboard of 6x9 inner corners, not 5x17; count them where four squares meet, "
+      "and give --board 6x9");
 }
 
 TEST_F(Images, OfABoardGivenByRowsAreCalibratedFromAsWell) {
@@ -365,14 +363,12 @@ TEST_F(Images, OptionsThatDoNotBelongTogetherAreRefused) {
   expectRefused(with({"--board", "2x6", "--square", "1"}),
                 "--board 2x6: 2 x 6 inner corners cannot be detected; give 3 to 100 in each direction");
   for (const std::string value : {"1e+300", "1e-300"}) {
-    expectRefused(
-        with({"--board", "9x6", "--square", value}),
-        "--square " + value + ": boards that can be printed have 1e-06 to 1000 m; give such a value");
-    expectRefused(
-        with({"--board", "charuco:8x5:4x4_50", "--square", "0.04", "--marker", value}),
-        "--marker " + value + ": boards that can be printed have 1e-06 to 1000 m; give such a value");
+    expectRefused(with({"--board", "9x6", "--square", value}),
+                  "--square " + value + ": out of range for a printed board; give 1e-06 to 1000 m");
+    expectRefused(with({"--board", "charuco:8x5:4x4_50", "--square", "0.04", "--marker", value}),
+                  "--marker " + value + ": out of range for a printed board; give 1e-06 to 1000 m");
     expectRefused(with({"--board", "aprilgrid:6x6", "--square", "0.04", "--spacing", value}),
-                  "--spacing " + value + ": boards that can be printed have 0.001 to 10; give such a value");
+                  "--spacing " + value + ": out of range for a printed board; give 0.001 to 10");
   }
   expectRefused(
       with({"--board", "9x6", "--square", "30"}),
@@ -385,10 +381,10 @@ TEST_F(Images, OptionsThatDoNotBelongTogetherAreRefused) {
       "--marker 30: the marker would be 30 m across; is the number in millimetres? give metres: --marker 0.03");
   expectRefused(with({"--board", "9x6", "--square", "-1"}), "--square -1: give a positive number");
   expectRefused(with({"--board", "9x6", "--square", "1", "--marker", "0.5"}),
-                "--marker 0.5: --board 9x6 has no such length; leave it out");
-  expectRefused(
-      with({"--board", "charuco:8x5", "--square", "1", "--marker", "0.5"}),
-      "--board charuco:8x5: say which dictionary its markers are from, as in --board charuco:8x5:4x4_50");
+                "--marker 0.5: --board 9x6 has no such length; drop this option");
+  expectRefused(with({"--board", "charuco:8x5", "--square", "1", "--marker", "0.5"}),
+                "--board charuco:8x5: the dictionary of the markers is missing; give it, as in --board "
+                "charuco:8x5:4x4_50");
   expectRefused(with({"--board", "charuco:8x5:4x4_50", "--square", "1"}),
                 "--board charuco:8x5:4x4_50 needs --marker, as in --marker 0.018 [m]");
   expectRefused(with({"--board", "charuco:8x5:4x4_50", "--square", "1", "--marker", "2"}),
@@ -414,13 +410,12 @@ TEST_F(Images, OptionsThatDoNotBelongTogetherAreRefused) {
       "target_type: circlegrid\ntargetCols: 4\ntargetRows: 11\nspacingMeters: 0.02\nasymmetricGrid: 1\n");
   expectRefused(
       with({"--board", "circles.yaml"}),
-      "--board circles.yaml: circles are not looked for in photographs; give corner files by --camera, or photographs of a "
-      "chessboard, ChArUco board or AprilGrid");
+      "--board circles.yaml: circles cannot be found in photographs; give corner files by --camera, or "
+      "photographs of a chessboard, ChArUco board or AprilGrid");
   expectRefused(with({"--board", "circles.yaml", "--square", "0.02"}),
-                "--square 0.02: circles.yaml has the lengths of the board; leave the option out");
-  expectRefused(
-      {"--camera", "left=left.csv", "--corners-out", "."},
-      "--corners-out .: it is about photographs, and there are none; add --images, or leave it out");
+                "--square 0.02: circles.yaml already states the lengths of the board; drop this option");
+  expectRefused({"--camera", "left=left.csv", "--corners-out", "."},
+                "--corners-out .: needs photographs, none are given; add --images or drop this option");
   expectRefused(stereo({"--corners-out", "no/such"}),
                 "cannot write no/such/left_corners.csv: No such file or directory; name a file in a folder "
                 "that exists and may be written");

@@ -68,8 +68,7 @@ TEST(MarkerLayout, OfABoardOfAnotherSizeIsNamed) {
       if (c == columns) continue;
       expectAnswer(
           folder, fmt::format("charuco:{}x{}:4x4_250", c, r),
-          fmt::format("p1.pgm: the markers lie as on a board of {0}; give --board charuco:{0}:4x4_250",
-                      truth));
+          fmt::format("p1.pgm: the markers match a board of {0}; give --board charuco:{0}:4x4_250", truth));
     }
   }
 }
@@ -77,9 +76,9 @@ TEST(MarkerLayout, OfABoardOfAnotherSizeIsNamed) {
 TEST(MarkerLayout, AnotherDictionaryIsNamed) {
   const TemporaryFolder folder;
   draw(folder, charuco(7, 5), cv::aruco::DICT_5X5_100, 5);
-  expectAnswer(
-      folder, "charuco:7x5:4x4_50",
-      "p1.pgm: the markers are of the dictionary 5x5_50 and lie as on a board of 7x5; give --board charuco:7x5:5x5_50");
+  expectAnswer(folder, "charuco:7x5:4x4_50",
+               "p1.pgm: the markers belong to the dictionary 5x5_50 and match a board of 7x5; give --board "
+               "charuco:7x5:5x5_50");
 }
 
 TEST(MarkerLayout, ThePatternBeforeOpenCv46IsNamed) {
@@ -87,8 +86,8 @@ TEST(MarkerLayout, ThePatternBeforeOpenCv46IsNamed) {
   draw(folder, charuco(7, 6), cv::aruco::DICT_4X4_50, 4, true);
   expectAnswer(
       folder, "charuco:7x6:4x4_50",
-      "p1.pgm: the markers lie as on a board of 7x6 whose upper left square is white, as OpenCV before 4.6 printed it; print the "
-      "board again by OpenCV 4.6 or later");
+      "p1.pgm: the markers match a board of 7x6 whose upper left square is white, as printed by OpenCV "
+      "before 4.6; print the board again with OpenCV 4.6 or later");
 }
 
 /// Finds the layout from ids and centres only: from few markers, with noise and misread markers, over sizes and seeds.

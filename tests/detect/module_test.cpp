@@ -39,9 +39,9 @@ TEST(DetectorModule, IsNotFoundWhereTheProgramIsNotKnown) {
       FAIL() << "no error";
     } catch (const UserError& error) {
       EXPECT_STREQ(error.what(),
-                   "--images: the system does not say where this program is installed, and so not where "
-                   "libslom_detect.so is, which finds "
-                   "boards; mount /proc, or give the corners by --camera NAME=FILE");
+                   "--images: the system does not say where this program is installed, so "
+                   "libslom_detect.so, which finds boards, cannot be located; mount /proc, or give the "
+                   "corners by --camera NAME=FILE");
     }
   }
 }
@@ -65,7 +65,7 @@ TEST(DetectorModule, OfOthersIsNotTrusted) {
   const std::string remedy =
       ", so it is not loaded; install slom as a whole, or give the corners by --camera NAME=FILE";
   ASSERT_EQ(::chmod(library.c_str(), 0666), 0);
-  EXPECT_EQ(refusal(), "--images: " + library.string() + " may be written by everybody" + remedy);
+  EXPECT_EQ(refusal(), "--images: " + library.string() + " is writable by everybody" + remedy);
   ASSERT_EQ(::chmod(library.c_str(), 0644), 0);
   if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file to somebody else";
   ASSERT_EQ(::chown(library.c_str(), 12345, 12345), 0);
@@ -87,9 +87,10 @@ TEST(DetectorModule, OfOthersIsNotLoaded) {
   const auto result = slom::testing::runCommand({"/usr/bin/env", "-C", folder.path().string(),
                                                  (folder / "slom/bin/slom").string(), "calibrate", "--board",
                                                  "9x6", "--square", "1", "--images", "left=left*.pgm"});
-  EXPECT_EQ(result.errors,
-            "slom: --images: there is no " + detectorFile(folder / "slom/bin/slom").string() +
-                ", which finds boards; install slom as a whole, or give the corners by --camera NAME=FILE\n");
+  EXPECT_EQ(
+      result.errors,
+      "slom: --images: " + detectorFile(folder / "slom/bin/slom").string() +
+          ", which finds boards, is missing; install slom as a whole, or give the corners by --camera NAME=FILE\n");
   EXPECT_EQ(result.exit_code, 2);
 }
 

@@ -89,11 +89,11 @@ TEST_F(Photos, FaultsAreNamed) {
             "that the shell leaves it alone");
   EXPECT_EQ(
       refusal({camera("left", {"plain.jpg"})}),
-      "plain.jpg: there is no number in its name, by which photographs of the same moment are found, nor in that of another one of camera left; rename "
-      "them, as in left07.jpg");
+      "plain.jpg: no photograph of camera left has a number in its name to pair photographs taken at the "
+      "same time; rename them, as in left07.jpg");
   EXPECT_EQ(refusal({camera("left", {"left01.jpg", "left1.jpg"})}),
-            "left1.jpg: camera left has image 1 already, left01.jpg; the last number in the name must tell "
-            "its photographs apart");
+            "left1.jpg: camera left already has image 1, left01.jpg; the last number in the name must "
+            "distinguish its photographs");
   EXPECT_EQ(refusal({camera("left", {"left1.jpg"}), camera("right", {"left1.jpg"})}),
             "left1.jpg: camera left and camera right both have this photograph; correct the patterns");
 }

@@ -5,8 +5,8 @@
 
 namespace slom::app {
 
-/// Adds the subcommand. It runs while the command line is parsed; mistakes are thrown as UserError, and a fit
-/// that did not converge as CLI::RuntimeError(exit_not_converged), after its report.
+/// Adds the subcommand. It runs while the command line is parsed. Mistakes are thrown as UserError, and a fit that
+/// did not converge as CLI::RuntimeError(exit_not_converged), after its report.
 void addCalibrateCommand(CLI::App& app);
 
 }  // namespace slom::app

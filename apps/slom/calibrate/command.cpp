@@ -34,13 +34,13 @@ namespace slom::app {
 namespace calib {
 namespace {
 
-/// How time stamps were paired.
+/// Reports how time stamps were paired.
 void sayPairing(const ImageNumbers& numbers, const CommandSettings& settings) {
   if (const std::string sentence = sentenceOf(numbers); !settings.quiet && !sentence.empty())
     say(sentence + "\n");
 }
 
-/// Refuses a --square that is hardly in metres, if the corner file says how many corners the board has.
+/// Refuses a --square that is unlikely in metres, if the corner file says how many corners the board has.
 void requireSquareInMetres(const CommandSettings& settings, const Dataset& data) {
   if (!settings.board_of_files || settings.board_of_files->columns > 0) return;
   double across = 0;
@@ -49,7 +49,7 @@ void requireSquareInMetres(const CommandSettings& settings, const Dataset& data)
   requireMetres("--square", settings.board_of_files->square_m, across);
 }
 
-/// `numbers` gets the image numbers as files have them.
+/// Reads the data. `numbers` receives the image numbers in the files.
 Dataset readDataset(const CommandSettings& settings, ImageNumbers& numbers) {
   Dataset data;
   if (settings.board) {
@@ -70,10 +70,10 @@ Dataset readDataset(const CommandSettings& settings, ImageNumbers& numbers) {
     const ImageSize& size = given->second;
     const std::optional<ImageSize>& known = camera.image_size;
     if (known && (known->width != size.width || known->height != size.height)) {
-      throw UserError(fmt::format(
-          "--image-size {}={}x{}: {} {} x {} pixels; leave the option out{}", camera.name, size.width,
-          size.height, settings.board ? "the photographs have" : camera.file + ": images have", known->width,
-          known->height, settings.board ? "" : ", or correct the file"));
+      throw UserError(
+          fmt::format("--image-size {}={}x{}: {} {} x {} pixels; drop this option{}", camera.name, size.width,
+                      size.height, settings.board ? "the photographs have" : camera.file + ": images have",
+                      known->width, known->height, settings.board ? "" : ", or correct the file"));
     }
     camera.image_size = size;
   }
@@ -95,7 +95,8 @@ Progress printedProgress() {
           }};
 }
 
-/// A result that is not sound goes to JSON, which says so, but not to YAML, whose readers would take it for good.
+/// Writes the results. A result that is not sound goes to JSON, which says so, but not to YAML, whose readers would
+/// trust it.
 void writeFiles(const Dataset& data, const Result& result, const CommandSettings& settings,
                 const ImageNumbers& numbers) {
   OutputFiles files;
@@ -123,7 +124,7 @@ void writeFiles(const Dataset& data, const Result& result, const CommandSettings
   if (!settings.quiet && !said.empty()) say("\n" + said);
 }
 
-/// Finds out before the work that its results could not be written.
+/// Throws before the work starts if its results could not be written.
 void requireResultsWritable(const CommandSettings& settings) {
   std::vector<std::string> files = outputFiles(settings);
   files.push_back(settings.json_file);
@@ -131,13 +132,13 @@ void requireResultsWritable(const CommandSettings& settings) {
   requireWritable(files);
 }
 
-/// What --compare leaves open: what no other option gives.
+/// Returns what --compare is to choose: everything that no other option sets.
 Choices choicesOf(const CommandSettings& settings) {
   return {settings.compared, !settings.model_is_given, !settings.board_shape_is_given,
           !settings.sigma_by_is_given, settings.is_compared && !settings.rolling_shutter};
 }
 
-/// Says what each comparison found, and refuses a model that the output format cannot hold before the fit.
+/// Reports what each comparison found. Before the fit, refuses a model that the output format cannot hold.
 ChoiceProgress progressOf(const CommandSettings& settings) {
   ChoiceProgress progress;
   progress.before_fit = [&](const Settings&) {
@@ -158,21 +159,21 @@ ChoiceProgress progressOf(const CommandSettings& settings) {
   return progress;
 }
 
-/// What the run is about. Ends it when the time is over before there is anything to calibrate.
+/// Reads the data of the run. Ends the run if the time is over before there are data to calibrate.
 Dataset readInTime(const CommandSettings& settings, ImageNumbers& numbers) {
   try {
     return readDataset(settings, numbers);
   } catch (const RunEnded& ended) {
     sayError(fmt::format(
-        "slom: {} while photographs were searched for the board, so nothing was calibrated; allow "
-        "more by --max-seconds\n",
+        "slom: {} during the search for the board in photographs, so nothing was calibrated; pass a "
+        "larger --max-seconds\n",
         ended.what()));
     throw CLI::RuntimeError(exit_not_converged);
   }
 }
 
-/// Assesses the result for the verdict, the page and the JSON. If time runs out and the user asked for no page and no JSON, the report has no
-/// verdict.
+/// Assesses the result for the verdict, the page and the JSON. If time runs out and the user asked for no page and no
+/// JSON, the report has no verdict.
 void assessResult(const Dataset& data, const CommandSettings& settings, Result& result) {
   const bool is_asked_for = !settings.json_file.empty() || !settings.report_file.empty();
   if (settings.quiet && !is_asked_for) return;
@@ -180,7 +181,7 @@ void assessResult(const Dataset& data, const CommandSettings& settings, Result& 
   if (!is_asked_for && !result.quality->cut_short.empty()) result.quality.reset();
 }
 
-/// What is missing in a run that did not do all that it was asked for; empty otherwise.
+/// Returns what is missing if the run did not do all that it was asked for; empty otherwise.
 std::string failureOf(const Result& result) {
   const bool is_cut_short = !result.converged && !FitLimits::reasonToEnd().empty();
   if (!result.success() && (result.strays.empty() || is_cut_short)) {
@@ -191,7 +192,7 @@ std::string failureOf(const Result& result) {
                 : "the data do not determine all parameters: " + result.undetermined);
   }
   if (const Unsoundness unsound = unsoundnessOf(result); !unsound.isNone())
-    return (result.success() ? "the calibration is of no use: " : "the calibration failed: ") +
+    return (result.success() ? "the calibration is unusable: " : "the calibration failed: ") +
            unsound.sentence;
   for (const std::optional<Comparison>& comparison : {result.comparison, result.board_comparison}) {
     if (comparison && !comparison->cut_short.empty())
@@ -202,23 +203,24 @@ std::string failureOf(const Result& result) {
   return "";
 }
 
-/// Words that belong to no option; a file among them is most often a camera's.
+/// Refuses words that belong to no option. If one of them is a file, it most often belongs to a camera.
 void refuseExtras(const CLI::App& command) {
   const std::vector<std::string> words = command.remaining();
   if (words.empty()) return;
   std::error_code ignored;
   if (words.size() == 1 && std::filesystem::is_regular_file(words.front(), ignored)) {
     throw UserError(fmt::format(
-        "{0}: say which camera this is of: --camera NAME={0} for corners, --images NAME={0} for photographs",
+        "{0}: the file belongs to no camera; pass --camera NAME={0} for corners, or --images NAME={0} for "
+        "photographs",
         words.front()));
   }
   throw CLI::ExtrasError(command.get_name(),
-                         {words.rbegin(), words.rend()});  // it lists them from the last on
+                         {words.rbegin(), words.rend()});  // CLI11 lists them from the last on
 }
 
 void run(const RawOptions& raw) {
   CommandSettings settings = parseSettings(raw);
-  // There is nothing to write before the data are read: until then Ctrl-C ends the program.
+  // Until the data are read, there is nothing to write, so Ctrl-C ends the program.
   FitLimits limits(settings.limits.max_seconds, FitLimits::Interrupts::end_the_program);
   settings.limits = limitsOf(limits);
   if (settings.board) requireResultsWritable(settings);  // before the search for boards, which takes long

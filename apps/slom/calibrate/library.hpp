@@ -1,4 +1,4 @@
-// The library that does the work, and its names among those of the subcommand.
+// The library that does the work. Its names are visible in the subcommand.
 #pragma once
 
 #include <numbers>
@@ -9,6 +9,6 @@ namespace slom::app::calib {
 
 using namespace slom::calibration;
 
-inline constexpr double degrees = 180 / std::numbers::pi;  ///< of a radian
+inline constexpr double degrees = 180 / std::numbers::pi;  ///< in a radian
 
 }  // namespace slom::app::calib

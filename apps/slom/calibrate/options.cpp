@@ -36,7 +36,7 @@ constexpr const char* footer_text =
 contradict each other, the run was cut short, or standard output could not be written; 2 wrong options or
 data.)";
 
-/// `opencv4: fx fy cx cy k1 k2 p1 p2`, a line for each model.
+/// Returns lines such as `opencv4: fx fy cx cy k1 k2 p1 p2`, one for each model.
 std::string modelTable() {
   std::vector<std::string> lines;
   for (const Model& model : allModels())
@@ -120,7 +120,7 @@ CLI::Option* addUsualOptions(CLI::App& command, RawOptions& raw) {
   return compare;
 }
 
-/// Adds the options that --help-all alone shows.
+/// Adds the options that only --help-all shows.
 void addMoreOptions(CLI::App& command, RawOptions& raw) {
   CommandSettings& settings = raw.rest;
   command

@@ -1,4 +1,4 @@
-// The options of `slom calibrate`, and what its help says.
+// The options of `slom calibrate`, and the texts of its help.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,7 +7,7 @@
 
 namespace slom::app::calib {
 
-/// Adds all options to the subcommand. `raw` must live as long. Returns --compare, which may stand without a value.
+/// Adds all options to the subcommand. `raw` must outlive it. Returns --compare, which may have no value.
 CLI::Option* addOptions(CLI::App& command, RawOptions& raw);
 
 }  // namespace slom::app::calib

@@ -23,16 +23,16 @@ OutputFormat parseFormat(const std::string& format, const std::string& file, std
   const bool is_camchain =
       std::filesystem::path(file).filename().string().find("camchain") != std::string::npos;
   if (!format.empty() && file.empty())
-    throw UserError(fmt::format("--format {}: of which file? add --output FILE, or leave it out", format));
+    throw UserError(
+        fmt::format("--format {}: no output file is given; add --output FILE or drop --format", format));
   if (format == "opencv" || (format.empty() && !has_placeholder && !is_camchain)) return OutputFormat::opencv;
   if (format == "kalibr" || (format.empty() && is_camchain)) return OutputFormat::kalibr;
   if (format != "ros" && !format.empty())
     throw UserError(fmt::format("--format {}: the formats are opencv, ros and kalibr", format));
   if (cameras > 1 && !has_placeholder) {
     throw UserError(
-        fmt::format("--output {}: ROS has one file for each camera; write {{name}} where the camera's name "
-                    "is to stand, as in "
-                    "--output '{{name}}.yaml'",
+        fmt::format("--output {}: ROS needs one file for each camera; write {{name}} in place of the "
+                    "camera's name, as in --output '{{name}}.yaml'",
                     file));
   }
   return OutputFormat::ros;

@@ -1,4 +1,4 @@
-// Where results go.
+// The files of the results.
 #pragma once
 
 #include "calibrate/settings.hpp"
@@ -6,17 +6,17 @@
 
 namespace slom::app::calib {
 
-/// The format that --format names or, where that is empty, the name of the file: Kalibr's are called camchain, ROS wants one
-/// for each camera, whose place in the name is `{name}`.
+/// Returns the format named by --format. If that is empty, the name of the file decides: Kalibr's are called
+/// camchain, and ROS needs one file per camera, with `{name}` in place of the camera's name.
 OutputFormat parseFormat(const std::string& format, const std::string& file, std::size_t cameras);
 
-/// The files of --output: one, or one for each camera; none where none is wanted.
+/// Returns the files of --output: one, one for each camera, or none.
 std::vector<std::string> outputFiles(const CommandSettings& settings);
 
-/// The files of --corners-out, one for each camera; none where none are wanted.
+/// Returns the files of --corners-out: one for each camera, or none.
 std::vector<std::string> cornerFiles(const CommandSettings& settings);
 
-/// All of them, with their options.
+/// Returns all files of results, with their options.
 std::vector<NamedFile> resultFiles(const CommandSettings& settings);
 
 }  // namespace slom::app::calib

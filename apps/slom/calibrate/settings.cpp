@@ -22,7 +22,7 @@ namespace {
 
 constexpr double standard_gravity = 9.80665;  // m/s^2
 
-/// `count` numbers separated by commas.
+/// Parses `count` numbers separated by commas.
 std::vector<double> parseNumbers(const std::string& option, const std::string& text, std::size_t count) {
   std::vector<double> numbers;
   const char* at = text.data();
@@ -45,18 +45,18 @@ std::vector<double> parseNumbers(const std::string& option, const std::string& t
 }
 
 void fixBias(const std::string& option, const std::string* value, Fixed& fixed) {
-  if (fixed.acc_bias) throw UserError(fmt::format("{}: acc_bias is fixed already; give it once", option));
+  if (fixed.acc_bias) throw UserError(fmt::format("{}: acc_bias is already fixed; give it once", option));
   const std::vector<double> b = value ? parseNumbers(option, *value, 3) : std::vector<double>{0, 0, 0};
   for (const double number : b) {
     if (std::abs(number) <= most_m_s2) continue;
-    throw UserError(fmt::format("{}: a bias lies between {:g} and {:g} m/s^2; give such values", option,
+    throw UserError(fmt::format("{}: bias out of range; give values between {:g} and {:g} m/s^2", option,
                                 -most_m_s2, most_m_s2));
   }
   fixed.acc_bias = vec3(b[0], b[1], b[2]);
 }
 
 void fixGravity(const std::string& option, const std::string* value, Fixed& fixed) {
-  if (fixed.gravity) throw UserError(fmt::format("{}: gravity is fixed already; give it once", option));
+  if (fixed.gravity) throw UserError(fmt::format("{}: gravity is already fixed; give it once", option));
   fixed.gravity = value ? parseNumbers(option, *value, 1)[0] : standard_gravity;
   if (!(*fixed.gravity > 0)) {
     throw UserError(
@@ -65,19 +65,18 @@ void fixGravity(const std::string& option, const std::string* value, Fixed& fixe
                     option));
   }
   if (*fixed.gravity >= least_gravity && *fixed.gravity <= most_m_s2) return;
-  throw UserError(
-      fmt::format("{}: the magnitude of gravity lies between {:g} and {:g} m/s^2; give such a value", option,
-                  least_gravity, most_m_s2));
+  throw UserError(fmt::format("{}: gravity out of range; give a magnitude between {:g} and {:g} m/s^2",
+                              option, least_gravity, most_m_s2));
 }
 
-/// What can be fixed. `value` is nullptr where the option has none.
+/// Fixes one quantity. `value` is nullptr if the option has none.
 using Fixer = void (*)(const std::string& option, const std::string* value, Fixed&);
 const std::map<std::string, Fixer> fixers{{"acc_bias", fixBias}, {"gravity", fixGravity}};
 
 bool isFocalLength(const std::string& parameter) { return parameter[0] == 'f'; }
 bool isCentre(const std::string& parameter) { return parameter[0] == 'c'; }
 
-/// Focal lengths, the principal point, and what else the models have, each once.
+/// Returns focal lengths, the principal point, and the other parameters of the models, each once.
 std::vector<std::string> namesOfParameters() {
   std::vector<std::string> names;
   for (const Model& model : allModels()) {
@@ -97,7 +96,7 @@ const std::vector<std::string>& lensParameters() {
   return names;
 }
 
-/// `k3` or `left.k3`; nothing where no camera has such a parameter.
+/// Parses `k3` or `left.k3`; returns nothing if no camera has such a parameter.
 std::optional<LensOption> parseLensName(const std::string& option, const std::string& name) {
   const auto dot = name.rfind('.');
   LensOption constraint;
@@ -109,7 +108,7 @@ std::optional<LensOption> parseLensName(const std::string& option, const std::st
   return constraint;
 }
 
-/// Between which values a parameter lies in any camera.
+/// The limits of a parameter in any camera.
 struct LensLimits {
   const char* what;
   double lower, upper;
@@ -126,10 +125,11 @@ LensLimits limitsOf(const std::string& parameter) {
   return {"a coefficient of distortion", -most_distortion, most_distortion, ""};
 }
 
-/// Distortion is fixed at 0 unless the option gives a value.
+/// Fixes a parameter. Distortion is fixed at 0 if the option gives no value.
 LensOption fixLens(LensOption constraint, const std::string* value) {
   if (value == nullptr && (isFocalLength(constraint.parameter) || isCentre(constraint.parameter))) {
-    throw UserError(fmt::format("{0}: say at which value [px], as in {0}=320", constraint.option));
+    throw UserError(
+        fmt::format("{0}: the value is missing; give it in px, as in {0}=320", constraint.option));
   }
   const double at = value ? parseNumbers(constraint.option, *value, 1)[0] : 0;
   const LensLimits limits = limitsOf(constraint.parameter);
@@ -156,8 +156,8 @@ std::vector<LensOption> parseBounds(const std::vector<std::string>& texts) {
       throw UserError(fmt::format("{}: the lower limit must be below the upper one", option));
     const LensLimits possible = limitsOf(constraint->parameter);
     if (limits[1] < possible.lower || limits[0] > possible.upper)
-      throw UserError(fmt::format("{}: {}, and nothing of that within these limits; give others", option,
-                                  possible.text()));
+      throw UserError(
+          fmt::format("{}: {}, and these limits allow none of that; give others", option, possible.text()));
     constraint->lower = limits[0];
     constraint->upper = limits[1];
     bounds.push_back(*constraint);
@@ -165,7 +165,7 @@ std::vector<LensOption> parseBounds(const std::vector<std::string>& texts) {
   return bounds;
 }
 
-/// Each names a parameter and a camera that exist, and no two name the same.
+/// Checks that each option names an existing parameter and camera, and that no two options name the same.
 void checkLens(const CommandSettings& settings, const Model& model) {
   const std::vector<std::string>& parameters = model.parameters();
   for (std::size_t i = 0; i < settings.lens_options.size(); ++i) {
@@ -186,7 +186,7 @@ void checkLens(const CommandSettings& settings, const Model& model) {
           (!other.camera.empty() && !one.camera.empty() && other.camera != one.camera))
         continue;
       throw UserError(
-          fmt::format("{}: {} is about the same parameter; give one of them", one.option, other.option));
+          fmt::format("{}: constrains the same parameter as {}; keep one of them", one.option, other.option));
     }
   }
 }
@@ -206,16 +206,15 @@ Fixed parseFixed(const std::vector<std::string>& texts, std::vector<LensOption>&
     if (fixer == fixers.end()) {
       std::vector<std::string> names;
       for (const auto& [known, unused] : fixers) names.push_back(known);
-      throw UserError(
-          fmt::format("{}: nothing is called \"{}\"; what can be fixed is {} and cameras' parameters, {}",
-                      option, name, fmt::join(names, ", "), fmt::join(lensParameters(), ", ")));
+      throw UserError(fmt::format("{}: unknown parameter \"{}\"; fix {} or a camera parameter: {}", option,
+                                  name, fmt::join(names, ", "), fmt::join(lensParameters(), ", ")));
     }
     fixer->second(option, given, fixed);
   }
   return fixed;
 }
 
-/// `17`, `17:5`, `left.17:5`.
+/// Parses `17`, `17:5` or `left.17:5`.
 std::vector<Exclusion> parseExclusions(const std::vector<std::string>& texts,
                                        const std::vector<CameraFile>& cameras) {
   std::vector<Exclusion> exclusions;
@@ -243,11 +242,11 @@ Robust parseRobust(const std::string& text) {
   if (text == "reject") return Robust::reject;
   if (text == "huber") return Robust::huber;
   if (text == "cauchy") return Robust::cauchy;
-  throw UserError(
-      fmt::format("--robust {}: what becomes of gross corners is none, reject, huber or cauchy", text));
+  throw UserError(fmt::format(
+      "--robust {}: unknown treatment of gross corners; give none, reject, huber or cauchy", text));
 }
 
-/// What the noise grows with, which --compare tries where it is not given.
+/// Parses what the noise grows with. --compare tries all if it is not given.
 void parseSigmaBy(const RawOptions& raw, CommandSettings& settings) {
   settings.is_compared = raw.compare;
   settings.sigma_by_is_given = !raw.sigma_by.empty() || !raw.compare;
@@ -256,12 +255,11 @@ void parseSigmaBy(const RawOptions& raw, CommandSettings& settings) {
     settings.sigma_by = by;
     if (raw.sigma_by == toString(by)) return;
   }
-  throw UserError(fmt::format(
-      "--sigma-by {}: the standard deviation of corners is constant, or grows with speed, slant or distance",
-      raw.sigma_by));
+  throw UserError(
+      fmt::format("--sigma-by {}: unknown quantity; give constant, speed, slant or distance", raw.sigma_by));
 }
 
-/// The shape of the board, which --compare tries where it is not given.
+/// Parses the shape of the board. --compare tries all if it is not given.
 void parseBoardShape(const RawOptions& raw, CommandSettings& settings) {
   settings.board_shape_is_given = !raw.board_shape.empty() || !raw.compare;
   if (raw.board_shape == "bent") {
@@ -269,22 +267,19 @@ void parseBoardShape(const RawOptions& raw, CommandSettings& settings) {
   } else if (raw.board_shape == "free") {
     settings.board_shape = BoardShape::free;
   } else if (!raw.board_shape.empty() && raw.board_shape != "flat") {
-    throw UserError(
-        fmt::format("--board-shape {}: the shape of a board is flat, bent or free", raw.board_shape));
+    throw UserError(fmt::format("--board-shape {}: unknown shape; give flat, bent or free", raw.board_shape));
   }
   if (!raw.sigma_board) return;
   const double sigma = *raw.sigma_board;
   if (!(sigma > 0 && std::isfinite(sigma)))
     throw UserError(fmt::format("--sigma-board {}: a standard deviation must be positive", sigma));
   if (sigma < least_sigma_board || sigma > most_sigma) {
-    throw UserError(
-        fmt::format("--sigma-board {}: a standard deviation lies between {:g} and {:g} m; give such a value",
-                    sigma, least_sigma_board, most_sigma));
+    throw UserError(fmt::format("--sigma-board {}: standard deviation out of range; give {:g} to {:g} m",
+                                sigma, least_sigma_board, most_sigma));
   }
   if (settings.board_shape != BoardShape::free) {
-    throw UserError(fmt::format(
-        "--sigma-board {}: it is by how much corners of a free board are off; add --board-shape free",
-        sigma));
+    throw UserError(
+        fmt::format("--sigma-board {}: applies only to a free board; add --board-shape free", sigma));
   }
   settings.sigma_board = sigma;
 }
@@ -311,8 +306,8 @@ void requireSigma(const char* option, double value, const char* unit) {
   if (!(value > 0 && std::isfinite(value)))
     throw UserError(fmt::format("{} {}: a standard deviation must be positive", option, value));
   if (value >= least_sigma && value <= most_sigma) return;
-  throw UserError(fmt::format("{} {}: a standard deviation lies between {:g} and {:g} {}; give such a value",
-                              option, value, least_sigma, most_sigma, unit));
+  throw UserError(fmt::format("{} {}: standard deviation out of range; give {:g} to {:g} {}", option, value,
+                              least_sigma, most_sigma, unit));
 }
 
 void checkPaths(const CommandSettings& settings) {
@@ -331,11 +326,9 @@ namespace {
 bool parseImuReads(const std::string& text, const CommandSettings& settings) {
   if (text.empty()) return false;
   if (text != "gravity" && text != "reaction")
-    throw UserError(
-        fmt::format("--imu-reads {}: a sensor at rest reads gravity, or the reaction to it", text));
+    throw UserError(fmt::format("--imu-reads {}: unknown reading at rest; give gravity or reaction", text));
   if (settings.imu_file.empty())
-    throw UserError(
-        fmt::format("--imu-reads {}: there is no IMU; add --imu FILE, or leave the option out", text));
+    throw UserError(fmt::format("--imu-reads {}: there is no IMU; add --imu FILE or drop this option", text));
   return text == "gravity";
 }
 
@@ -345,7 +338,8 @@ CommandSettings parseSettings(const RawOptions& raw) {
   CommandSettings settings = raw.rest;
   if (raw.imu_files.size() > 1) {
     throw UserError(fmt::format(
-        "--imu {}: it takes one file; put the readings of all parts of the recording into one, by the numbers of their images",
+        "--imu {}: takes only one file; put the readings of all parts of the recording into one file, "
+        "with the numbers of their images",
         raw.imu_files.back()));
   }
   if (!raw.imu_files.empty()) settings.imu_file = raw.imu_files.front();
@@ -368,7 +362,7 @@ CommandSettings parseSettings(const RawOptions& raw) {
   }
   requireTimeLimit(settings.limits.max_seconds);
   if (settings.imu_file.empty() && (settings.fixed.acc_bias || settings.fixed.gravity)) {
-    throw UserError(fmt::format("--fix {}: there is no IMU to fix it for; add --imu FILE, or leave out --fix",
+    throw UserError(fmt::format("--fix {}: there is no IMU; add --imu FILE or drop --fix",
                                 settings.fixed.acc_bias ? "acc_bias" : "gravity"));
   }
   settings.image_sizes = parseImageSizes(raw.image_sizes, settings.cameras);

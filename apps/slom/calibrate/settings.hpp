@@ -1,4 +1,4 @@
-// What the user asked for on the command line.
+// The command line, as the user wrote it and as checked settings.
 #pragma once
 
 #include <map>
@@ -11,15 +11,15 @@
 
 namespace slom::app::calib {
 
-/// `NAME=FILE` of --camera, or `NAME=PATTERN ...` of --images; several of one camera are put together.
+/// `NAME=FILE` of --camera, or `NAME=PATTERN ...` of --images. Several options for one camera are joined.
 struct CameraFile {
   std::string name;
-  std::string file;                     ///< the corner files or the patterns, for people to read
+  std::string file;                     ///< the corner files or the patterns, as text for people
   std::vector<std::string> patterns{};  ///< patterns of the photographs
   std::vector<std::string> files{};     ///< corner files
 };
 
-/// What --output writes.
+/// The format of --output.
 enum class OutputFormat { opencv, ros, kalibr };
 
 /// A constraint of --fix or --bound, and the option as the user wrote it.
@@ -27,17 +27,17 @@ struct LensOption : LensConstraint {
   std::string option;
 };
 
-/// The settings of the library, and what the command does besides calibrating.
+/// The settings of the library, and those of the command besides calibrating.
 struct CommandSettings : Settings {
   std::vector<CameraFile> cameras;
-  std::optional<Board> board;  ///< in the photographs of the cameras; nothing: these have corner files
+  std::optional<Board> board;  ///< in the photographs of the cameras; nothing: the cameras have corner files
   std::optional<BoardOfFiles>
-      board_of_files;          ///< what the options say of a board in corner files; nothing: nothing
-  std::string corners_folder;  ///< for the corners that were found; empty: none
-  std::string imu_file;        ///< empty: no IMU
+      board_of_files;  ///< what the options say about a board in corner files; nothing: no option is given
+  std::string corners_folder;            ///< for the corners that were found; empty: not written
+  std::string imu_file;                  ///< empty: no IMU
   std::vector<LensOption> lens_options;  ///< Settings::lens follows from them
   std::vector<Model> compared;           ///< models of --compare; empty: none
-  bool model_is_given = true;            ///< otherwise it is the one that the comparison chooses
+  bool model_is_given = true;            ///< false: the comparison chooses the model
   bool board_shape_is_given = true;      ///< likewise
   bool sigma_by_is_given = true;         ///< likewise
   bool is_compared = false;              ///< by --compare
@@ -45,12 +45,12 @@ struct CommandSettings : Settings {
   std::string yaml_file;                 ///< empty: none
   std::string report_file;               ///< empty: none
   OutputFormat format = OutputFormat::opencv;
-  std::map<std::string, ImageSize> image_sizes;  ///< by camera, where the user gave them
+  std::map<std::string, ImageSize> image_sizes;  ///< by camera, if the user gave them
   std::vector<Exclusion> exclusions;             ///< of --exclude
   bool quiet = false;
 };
 
-/// The options as text, as CLI11 hands them over.
+/// The options as text, as CLI11 passes them.
 struct RawOptions {
   std::vector<std::string> cameras, images, imu_files;
   BoardOptions board;
@@ -68,7 +68,7 @@ struct RawOptions {
   CommandSettings rest;
 };
 
-/// Reads the texts and checks all values; UserError names the option.
+/// Reads the texts and checks all values. UserError names the option.
 CommandSettings parseSettings(const RawOptions& raw);
 
 }  // namespace slom::app::calib

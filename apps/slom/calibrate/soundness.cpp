@@ -26,7 +26,7 @@ const ImageResult* worstImage(const Result& result) {
   return worst == result.images.end() ? nullptr : &*worst;
 }
 
-/// Images that are all of one other size than the others, as a whole; empty: they are not.
+/// Returns a sentence about images that all have one other size than the rest; empty if that is not the case.
 std::string otherSize(const Result& result) {
   const std::vector<Stray>& strays = result.strays;
   const bool is_one_size = std::all_of(strays.begin(), strays.end(), [&](const Stray& stray) {
@@ -45,14 +45,14 @@ std::string otherSize(const Result& result) {
                                : fmt::format("{:.3g} times the size", strays.front().size);
   const char* const are = strays.front().size == 0.5 ? (strays.size() == 1 ? "is" : "are")
                           : strays.size() == 1       ? "seems to be"
-                                                     : "seem to be";  // a crop may look like it
+                                                     : "seem to be";  // a cropped image may look like it
   return fmt::format("{} {} of {} {} at {} of the others: pass {}, or scale {}",
                      strays.size() == 1 ? "image" : "images", listed(images, ", ", " and "),
                      strays.front().camera, are, size, fmt::join(options, " "),
                      strays.size() == 1 ? "it" : "them");
 }
 
-/// Views that contradict the others, in one sentence; empty: none.
+/// Returns one sentence about views that contradict the others; empty if there are none.
 std::string contradiction(const Result& result) {
   constexpr std::size_t most = 5;
   if (result.strays.empty()) return "";
@@ -68,31 +68,24 @@ std::string contradiction(const Result& result) {
   const std::size_t count = result.strays.size();
   const std::string errors[] = {fixedDecimals(least, 0), fixedDecimals(largest, 0)};
   const std::string by = errors[0] == errors[1] ? errors[0] : errors[0] + " to " + errors[1];
-  const std::string all = fmt::format("{}{}", fmt::join(names, ", "),
-                                      count > most ? fmt::format(" and {} more", count - most) : "");
+  const std::string all = count > most ? fmt::format("{} and {} more", fmt::join(names, ", "), count - most)
+                                       : listed(names, ", ", " and ");
   const std::string& why = result.strays.front().why;
   const bool have_one_cause =
       !why.empty() && std::all_of(result.strays.begin(), result.strays.end(),
                                   [&](const Stray& stray) { return stray.why == why; });
-  if (have_one_cause && result.strays.front().is_mirrored)
-    return fmt::format("{} the others: {}; {}; correct {}, or leave {} out by --exclude",
-                       count == 1 ? "an image contradicts" : fmt::format("{} images contradict", count), all,
-                       count == 1 ? why : "they show" + why.substr(std::string("it shows").size()),
-                       count == 1 ? "it" : "them", count == 1 ? "it" : "them");
-  if (have_one_cause)
-    return fmt::format("{} the others, by {} px: {}; {}; correct {}, or leave {} out by --exclude",
-                       count == 1 ? "an image contradicts" : fmt::format("{} images contradict", count), by,
-                       all, why, count == 1 ? "it" : "them", count == 1 ? "it" : "them");
-  if (count == 1)
-    return fmt::format(
-        "an image contradicts the others, by {} px: {}; leave it out by --exclude, or correct its number", by,
-        all);
-  return fmt::format(
-      "{} images contradict the others, by {} px: {}; leave them out by --exclude, or correct their numbers",
-      count, by, all);
+  const bool is_mirrored = have_one_cause && result.strays.front().is_mirrored;
+  const std::string fault = fmt::format(
+      "{} the others{}{}",
+      count == 1 ? fmt::format("image {} contradicts", all) : fmt::format("images {} contradict", all),
+      is_mirrored ? "" : fmt::format(" by {} px", by), have_one_cause ? ": " + why : "");
+  const char* const remedy = have_one_cause ? (count == 1 ? "correct it" : "correct them")
+                                            : (count == 1 ? "correct its number" : "correct their numbers");
+  return fmt::format("{}; {} or leave {} out by --exclude", fault, remedy, count == 1 ? "it" : "them");
 }
 
-/// Errors of corners that no detection makes: so many px in images of 1280 px and below, in proportion in larger ones, and so many stated sigmas.
+/// Returns a distance of corners beyond any detection error: a number of px for images of up to 1280 px,
+/// proportionally more for larger ones, and at least a number of stated sigmas.
 double explainedPx(const Result& result) {
   constexpr double usual_px = 2, usual_side = 1280, sigmas = 6;
   double side = usual_side;
@@ -103,7 +96,8 @@ double explainedPx(const Result& result) {
   return std::max(usual_px * side / usual_side, sigmas * result.sigma_px);
 }
 
-/// Corners of all images, or of one, that are farther off than detection explains; empty: none.
+/// Returns a sentence about corners, of all images or of one, that are farther off than detection explains; empty if
+/// there are none.
 std::string misfit(const Result& result) {
   const double limit = explainedPx(result), rms = rmsOfAll(result);
   std::string fault;
@@ -113,7 +107,7 @@ std::string misfit(const Result& result) {
     fault = fmt::format("corners of image {} are {} px off (RMS)", worst->image, twoDigits(rmsOf(*worst)));
   }
   if (fault.empty()) return "";
-  return fmt::format("{}, and detection explains {} px; {}", fault, twoDigits(limit), causeText(result));
+  return fmt::format("{}, but detection explains only {} px; {}", fault, twoDigits(limit), causeText(result));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ bool isName(const std::string& text) {
   return true;
 }
 
-/// `NAME=FILE`, with the `example` of how an option is written.
+/// Parses `NAME=FILE`. `example` shows how to write the option.
 CameraFile parseNamed(const std::string& option, const std::string& text, const char* example) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals + 1 == text.size() || equals == 0) {
@@ -34,34 +34,33 @@ CameraFile parseNamed(const std::string& option, const std::string& text, const 
   const std::string name = text.substr(0, equals);
   if (!isName(name)) {
     throw UserError(
-        fmt::format("{} {}: the name must begin with a letter and hold letters, digits, _ and - "
-                    "only; rename the camera",
+        fmt::format("{} {}: the name must begin with a letter and contain only letters, digits, _ and -; "
+                    "rename the camera",
                     option, text));
   }
   return {name, text.substr(equals + 1)};
 }
 
-/// The camera of this name, which is added where there is none.
+/// Returns the camera of this name. Adds it if there is none.
 CameraFile& withName(const std::string& name, std::vector<CameraFile>& cameras) {
   const auto known = std::find_if(cameras.begin(), cameras.end(),
                                   [&](const CameraFile& camera) { return camera.name == name; });
   return known != cameras.end() ? *known : cameras.emplace_back(CameraFile{name, "", {}, {}});
 }
 
-/// The file itself, by whatever path.
+/// Returns the path that identifies the file, whatever path the user gave.
 std::string realPath(const std::string& file) {
   std::error_code ignored;
   const std::filesystem::path path = std::filesystem::canonical(file, ignored);
   return ignored ? file : path.string();
 }
 
-/// A shell leaves a pattern within a word as it is.
+/// Throws if the file is a pattern that the shell left unchanged, as it does within a word.
 void requireNoPattern(const std::string& text, const std::string& file) {
   std::error_code ignored;
   if (file.find_first_of("*?,") == std::string::npos || std::filesystem::exists(file, ignored)) return;
   throw UserError(fmt::format(
-      "--camera {}: there is no such file; a --camera takes one, so give the parts of a recording by one each",
-      text));
+      "--camera {}: there is no such file; give one --camera for each file of a recording", text));
 }
 
 std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
@@ -75,15 +74,18 @@ std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {
       throw UserError(
           fmt::format("--camera {}: the file is given twice; give it once, or another camera's file", text));
     if (!is_new)
-      throw UserError(fmt::format("--camera {}: the file is camera {}'s already; give each camera its own",
-                                  text, known->second));
+      throw UserError(
+          fmt::format("--camera {}: the file already belongs to camera {}; give each camera "
+                      "its own",
+                      text, known->second));
     withName(one.name, cameras).files.push_back(one.file);
   }
   for (CameraFile& camera : cameras) camera.file = fmt::format("{}", fmt::join(camera.files, " "));
   return cameras;
 }
 
-/// Words without a camera's name, as a shell makes of a pattern, belong to the camera before them.
+/// Parses the cameras. Words without a camera's name, as a shell makes of a pattern, belong to the camera before
+/// them.
 std::vector<CameraFile> parseImages(const std::vector<std::string>& words) {
   std::vector<CameraFile> cameras;
   std::size_t current = 0;
@@ -119,9 +121,9 @@ void parseSources(const RawOptions& raw, CommandSettings& settings) {
     return;
   }
   if (!settings.corners_folder.empty()) {
-    throw UserError(fmt::format(
-        "--corners-out {}: it is about photographs, and there are none; add --images, or leave it out",
-        settings.corners_folder));
+    throw UserError(
+        fmt::format("--corners-out {}: needs photographs, none are given; add --images or drop this option",
+                    settings.corners_folder));
   }
   settings.board_of_files = parseBoardOfFiles(raw.board);
 }
@@ -129,7 +131,7 @@ void parseSources(const RawOptions& raw, CommandSettings& settings) {
 std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>& texts,
                                                  const std::vector<CameraFile>& cameras) {
   std::map<std::string, ImageSize> sizes;
-  std::set<std::string> named;  // "": the size of those that are not
+  std::set<std::string> named;  // names with a size; "": the size for all other cameras
   for (const std::string& text : texts) {
     const auto equals = text.find('=');
     const std::string name = equals == std::string::npos ? "" : text.substr(0, equals);

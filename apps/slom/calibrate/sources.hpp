@@ -1,15 +1,15 @@
-// What a calibration is made from, as options say it: corner files or photographs.
+// The input of a calibration: corner files or photographs, as the options give it.
 #pragma once
 
 #include "calibrate/settings.hpp"
 
 namespace slom::app::calib {
 
-/// Fills in cameras and board. UserError when neither corner files nor photographs are given, or both, or
-/// what belongs to the others.
+/// Fills in cameras and board. Throws UserError if neither corner files nor photographs are given, or both, or
+/// options that belong to the other kind.
 void parseSources(const RawOptions& raw, CommandSettings& settings);
 
-/// `left=640x480`, or `640x480` for all cameras.
+/// Parses `left=640x480`, or `640x480` for all cameras.
 std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>& texts,
                                                  const std::vector<CameraFile>& cameras);
 

@@ -39,7 +39,7 @@ std::string nothingToExclude(const CommandSettings&, const DataError::Parts& par
 std::string noStart(const CommandSettings& settings, const DataError::Parts& parts) {
   if (settings.robust != Robust::none)
     return fmt::format("{}: {}; {}", parts.place, parts.fault, parts.remedy);
-  return fmt::format("{}: {}; look for corners that are far off, or leave out such ones by --robust reject",
+  return fmt::format("{}: {}; look for corners that are far off, or leave them out by --robust reject",
                      parts.place, parts.fault);
 }
 
@@ -54,7 +54,7 @@ std::string noBoard(const CommandSettings& settings, const DataError::Parts& par
                                   : "--square METRES");
 }
 
-/// Rows and columns of --board that are exchanged.
+/// Words an error about a view. Names exchanged rows and columns of --board.
 std::string badView(const CommandSettings& settings, const DataError::Parts& parts) {
   const bool is_exchanged = settings.board_of_files && settings.board_of_files->columns > 0 &&
                             parts.fault.find("rows and columns are exchanged") != std::string::npos;

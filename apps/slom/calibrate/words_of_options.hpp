@@ -1,4 +1,4 @@
-// Errors of the library in the words of the command: remedies name its options, places the lines of its files.
+// Errors of the library in the words of the command: remedies name its options, places name lines of its files.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace slom::app::calib {
 
-/// The sentence of `error`, composed anew from its parts where the remedy is an option or a column of a file.
+/// Returns the sentence of `error`, composed again from its parts if the remedy is an option or a column of a file.
 std::string inWordsOfOptions(const CommandSettings& settings, const DataError& error);
 
 /// Returns the comparison with the failures of its models in the words of the command.
 Comparison inWordsOfOptions(const CommandSettings& settings, Comparison comparison);
 
-/// f(), whose errors become UserError.
+/// Returns f(). Turns its errors into UserError.
 template <class F>
 auto inWordsOfOptions(const CommandSettings& settings, const F& f) {
   try {
@@ -25,7 +25,7 @@ auto inWordsOfOptions(const CommandSettings& settings, const F& f) {
   }
 }
 
-/// --max-seconds and Ctrl-C.
+/// Returns the limits of --max-seconds and Ctrl-C.
 Limits limitsOf(const FitLimits& limits);
 
 }  // namespace slom::app::calib

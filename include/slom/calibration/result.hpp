@@ -171,7 +171,7 @@ struct Stray {
   bool is_left_out = false;
   /// True if the view has the other handedness than most views of its camera. `error_px` may then be small.
   bool is_mirrored = false;
-  std::string why{};  ///< a clause if the cause is known: "its corners disagree by 40 px ..."
+  std::string why{};  ///< a clause if the cause is known: "corners disagree by 40 px ..."
   double size = 1;    ///< size of its image relative to the others, if that is the cause
 };
 

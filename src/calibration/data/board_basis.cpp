@@ -36,13 +36,14 @@ void BoardBasis::makeMaps() {
   plane_ = fitPlane(points_);
   maps_.assign(1, Eigen::Matrix3d::Identity());
   if (shape_ == BoardShape::free) return;
-  constexpr double no_bend = 1e-6;  // of a polynomial that is one of first degree over the points
+  constexpr double no_bend =
+      1e-6;  // relative rest of a polynomial below which it is of first degree over the points
   Eigen::MatrixXd polynomials(points(), 6);
   for (int i = 0; i < points(); ++i) {
     const Eigen::Vector2d p = plane_.coordinates(points_[std::size_t(i)].world) / plane_.size;
     polynomials.row(i) << 1, p.x(), p.y(), p.x() * p.x(), p.x() * p.y(), p.y() * p.y();
   }
-  // Gram and Schmidt, twice for orthogonality to the last digits.
+  // Gram and Schmidt, twice, so that the columns are orthogonal to the last digits.
   for (Eigen::Index k = 0; k < 6; ++k) {
     const double length = polynomials.col(k).norm();
     for (int round = 0; round < 2; ++round) {

@@ -11,10 +11,9 @@ namespace slom::calibration {
 
 BoardPlane fitPlane(const std::vector<Corner>& corners) {
   if (corners.size() < 3) {
-    throw DataError(
-        "slom.calibration.bad-view",
-        fmt::format("there are corners: {}, which determine no plane; pass at least 3", corners.size()),
-        "corners");
+    throw DataError("slom.calibration.bad-view",
+                    fmt::format("too few corners for a plane: {}; pass at least 3", corners.size()),
+                    "corners");
   }
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Corner& corner : corners) centre += corner.world / double(corners.size());
@@ -32,7 +31,7 @@ BoardPlane fitPlane(const std::vector<Corner>& corners) {
         "corners");
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
-      scatter);  // eigenvalues rise: the normal comes first
+      scatter);  // ascending eigenvalues: the normal comes first
   Eigen::Matrix3d axes;
   axes.col(0) = eigen.eigenvectors().col(2);
   axes.col(2) = eigen.eigenvectors().col(0);
@@ -43,7 +42,7 @@ BoardPlane fitPlane(const std::vector<Corner>& corners) {
 
 namespace {
 
-/// Whether the points of these sums (x, y, xx, xy, yy) lie on a line.
+/// Returns whether the points with these sums (x, y, xx, xy, yy) lie on a line.
 bool onLine(const Eigen::Matrix<double, 5, 1>& sums, double count, double tolerance) {
   const Eigen::Matrix<double, 5, 1> mean = sums / count;
   Eigen::Matrix2d scatter;

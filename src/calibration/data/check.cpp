@@ -15,15 +15,17 @@
 namespace slom::calibration {
 namespace {
 
-constexpr double world_line_tolerance = 1e-4;  // boards are known to better than this part of their size
+constexpr double world_line_tolerance =
+    1e-4;  // relative to the size of the board; boards are known more exactly than this
 constexpr double pixel_line_tolerance = 2e-3;  // 1 px over a board that fills 500 px
-constexpr double plane_tolerance = 0.05;       // bent boards are welcome, other targets are not
+constexpr double plane_tolerance =
+    0.05;  // relative to the size of the board; allows for bent boards, not for targets that are not flat
 
 std::string firstPlace(const CameraData& camera) {
   return camera.place(camera.views.front(), camera.views.front().corners.front());
 }
 
-/// One point of the board, under one number, at two pixels: at most one of them can be right.
+/// Throws if a point of the board has two pixels under one number, because at most one of them can be right.
 void requireEachPointOnce(const CameraData& camera, const View& view) {
   std::map<std::tuple<int, double, double, double>, const Corner*> known;
   for (const Corner& corner : view.corners) {
@@ -60,15 +62,15 @@ void checkView(const CameraData& camera, const View& view) {
   if (onLineButOne(on_board, world_line_tolerance)) {
     throw DataError(
         "slom.calibration.bad-view",
-        fmt::format("{}: all its world points, or all but one, lie on a line; a pose needs at least two "
-                    "off it, so add corners or remove the image",
+        fmt::format("{}: all world points, or all but one, lie on a line; a pose needs at least two "
+                    "points off the line, so add corners or remove the image",
                     place),
         camera.name);
   }
   if (onLineButOne(in_image, pixel_line_tolerance)) {
     throw DataError(
         "slom.calibration.bad-view",
-        fmt::format("{}: all its pixels, or all but one, lie on a line, as of a board seen from its edge; "
+        fmt::format("{}: all pixels, or all but one, lie on a line, as if the board were seen edge-on; "
                     "remove the image",
                     place),
         camera.name);
@@ -76,14 +78,14 @@ void checkView(const CameraData& camera, const View& view) {
   if (plane.thickness > plane_tolerance * plane.size) {
     throw DataError(
         "slom.calibration.bad-view",
-        fmt::format("{}: its world points do not lie in a plane (they are off by {:.2g} m); the start "
+        fmt::format("{}: the world points do not lie in a plane (they are off by {:.2g} m); the start "
                     "values need a flat board, so correct the points or remove the image",
                     place, plane.thickness),
         camera.name);
   }
 }
 
-/// A point of the board that is at the same pixel twice, under two numbers, was measured once.
+/// Throws if a point of the board is twice at the same pixel, under two numbers: it was measured once.
 void requireNoRepeatedCorner(const CameraData& camera, const View& view) {
   std::vector<const Corner*> corners;
   for (const Corner& corner : view.corners) corners.push_back(&corner);
@@ -111,7 +113,7 @@ void requireNoRepeatedCorner(const CameraData& camera, const View& view) {
 void checkViews(const CameraData& camera) {
   if (camera.views.empty())
     throw DataError("slom.calibration.too-few-views",
-                    fmt::format("{}: there is no corner in it; add some", nameOf(camera)), camera.name);
+                    fmt::format("{}: has no corners; add some", nameOf(camera)), camera.name);
   for (const View& view : camera.views) {
     checkView(camera, view);
     requireNoRepeatedCorner(camera, view);
@@ -128,7 +130,7 @@ void checkViews(const CameraData& camera) {
 }
 
 void checkConnected(const Dataset& data) {
-  std::set<int> reached;  // images of the cameras tied to the first one so far
+  std::set<int> reached;  // images of the cameras connected to the first one so far
   std::vector<bool> tied(data.cameras.size(), false);
   const auto shares = [&](const View& view) { return reached.empty() || reached.contains(view.image); };
   for (bool grew = true; grew;) {
@@ -146,8 +148,8 @@ void checkConnected(const Dataset& data) {
     throw DataError(
         "slom.calibration.unconnected",
         fmt::format(
-            "{}: camera {} has no image in common with camera {}, nor with one that has; take images of the "
-            "board with both at the same time, or calibrate them apart",
+            "{}: no common images connect camera {} with camera {}, not even through other cameras; take "
+            "images of the board with both at the same time, or calibrate them separately",
             firstPlace(camera), camera.name, data.cameras.front().name),
         camera.name);
   }

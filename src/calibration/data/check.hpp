@@ -1,5 +1,4 @@
-// Whether the data can be calibrated from at all. Each function throws DataError with the first thing it
-// finds.
+// Checks whether the data allow a calibration. Each function throws DataError with the first fault it finds.
 #pragma once
 
 #include "slom/calibration/dataset.hpp"
@@ -7,22 +6,23 @@
 
 namespace slom::calibration {
 
-/// Every view can give a pose (at least four corners in a plane, not on a line), no corner
-/// is there twice, every camera has two views.
+/// Checks that every view can give a pose (at least four corners in a plane, not on a line), that no corner is there
+/// twice, and that every camera has two views.
 void checkViews(const CameraData& camera);
 
-/// Every camera is tied to the first one by common images, possibly through other cameras.
+/// Checks that common images connect every camera to the first one, possibly through other cameras.
 void checkConnected(const Dataset& data);
-/// Whether that holds, and an IMU that is there has readings: of data without some views.
+/// Returns whether data without some views are still connected, and their IMU, if any, still has readings.
 bool isStillConnected(const Dataset& rest);
 
-/// Every reading belongs to an image that some camera has.
+/// Checks that every reading belongs to an image of some camera.
 void checkImuImages(const Dataset& data);
 
-/// Each standard deviation and limit makes sense, and constraints are about parameters and cameras that there are.
+/// Checks that each standard deviation and limit is possible, and that constraints name existing parameters and
+/// cameras.
 void checkSettings(const Dataset& data, const Settings& settings);
 
-/// All of the above that concerns the data, which are well formed (well_formed.hpp).
+/// Makes all checks above that concern the data. The data must be well formed (well_formed.hpp).
 void checkDataset(const Dataset& data);
 
 }  // namespace slom::calibration

@@ -12,7 +12,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Numbers beyond these are mistakes, or have squares that are not finite.
+/// Numbers that a setting may have. Others are mistakes, or have squares that are not finite.
 struct Range {
   double least, most;
   const char* unit;
@@ -37,14 +37,15 @@ void requireWithin(const char* setting, double value, const Range& range) {
       setting);
 }
 
-/// What a parameter of a lens can be, by the first letter of its name: the focal lengths, the principal point, and the others.
+/// Returns the possible values of a lens parameter, by the first letter of its name: focal length (f), principal
+/// point (c), or another.
 Range rangeOf(const std::string& parameter) {
   if (parameter.starts_with('f')) return {1e-3, 1e9, " px"};
   if (parameter.starts_with('c')) return {-1e6, 1e6, " px"};
   return {-1e6, 1e6, ""};
 }
 
-/// The values that a constraint leaves are, or contain, such as a lens may have.
+/// Throws if the values that a constraint allows contain none that a lens may have.
 void requirePossible(const LensConstraint& constraint) {
   const auto& [camera, parameter, lower, upper] = constraint;
   const Range range = rangeOf(parameter);
@@ -52,11 +53,11 @@ void requirePossible(const LensConstraint& constraint) {
   const std::string where = constraint.isFixed() ? fmt::format("fixed at {}", lower)
                                                  : fmt::format("to lie between {} and {}", lower, upper);
   refuseSetting(fmt::format("{} is {}; give {} {}", parameter, where,
-                            constraint.isFixed() ? "a value" : "limits about values", range.text()),
+                            constraint.isFixed() ? "a value" : "limits that allow values", range.text()),
                 parameter);
 }
 
-/// No parameter of a camera is constrained twice.
+/// Throws if a parameter of a camera is constrained twice.
 void requireConstraintsOnce(const std::vector<LensConstraint>& constraints) {
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -100,7 +101,7 @@ void requireNumbers(const Settings& settings) {
   }
 }
 
-/// A constraint is about a parameter and a camera that there are, and says what is possible.
+/// Throws if a constraint names a parameter or camera that does not exist, or allows no possible value.
 void requireSense(const LensConstraint& constraint, const Model& model, const Dataset& data) {
   const auto& [camera, parameter, lower, upper] = constraint;
   const std::vector<std::string>& parameters = model.parameters();
@@ -112,7 +113,8 @@ void requireSense(const LensConstraint& constraint, const Model& model, const Da
   const auto concerns = [&](const CameraData& one) { return constraint.concerns(one.name); };
   if (std::none_of(data.cameras.begin(), data.cameras.end(), concerns)) {
     refuseSetting(
-        fmt::format("there is no camera {} to constrain {} of; correct the name", camera, parameter), camera);
+        fmt::format("there is no camera {} whose {} can be constrained; correct the name", camera, parameter),
+        camera);
   }
   if (std::isnan(lower) || std::isnan(upper)) {
     refuseSetting(fmt::format("{} is to lie between {} and {}; give numbers", parameter, lower, upper),

@@ -22,7 +22,7 @@ constexpr double equal_px = 0.005;
 constexpr double cell_px = 2 * equal_px;
 constexpr std::size_t fewest_equal = 4;
 
-/// The views seen so far, by corners that lie in the same cell of the image at the same point of the board.
+/// The views seen so far, indexed by board point and cell of the image of their corners.
 class ViewIndex {
  public:
   struct Match {
@@ -31,7 +31,7 @@ class ViewIndex {
     double difference_px = 0;
   };
 
-  /// `view` must stay where it is.
+  /// Adds a view. `view` must stay where it is.
   void add(const View& view) {
     for (const Corner& corner : view.corners)
       corners_.emplace(keyOf(corner, cellOf(corner.pixel.x()), cellOf(corner.pixel.y())),
@@ -39,8 +39,7 @@ class ViewIndex {
     views_.push_back(&view);
   }
 
-  /// The view that this one repeats; where there are several, the one that has most corners in common with
-  /// it.
+  /// Returns the view that this one repeats. If there are several, returns the one with the most corners in common.
   Match repeatedBy(const View& view) const {
     std::unordered_map<std::size_t, Match> matches;
     for (const Corner& corner : view.corners) count(corner, matches);
@@ -99,7 +98,7 @@ class ViewIndex {
   std::vector<const View*> views_;
 };
 
-/// How many corners of `a` are points of the board that `b` has, too.
+/// Returns the number of corners of `b` at points of the board that `a` has, too.
 std::size_t commonCorners(const View& a, const View& b) {
   std::set<PointKey> points;
   for (const Corner& corner : a.corners) points.insert(keyOf(corner.world));
@@ -113,7 +112,7 @@ std::string nameOf(const View& view) {
                             : fmt::format("image {} ({})", view.image, view.photo);
 }
 
-/// The same photographs for two cameras.
+/// Throws if two cameras have the same photographs.
 void requireDifferent(const CameraData& a, const CameraData& b) {
   ViewIndex index;
   for (const View& view : a.views) index.add(view);
@@ -132,9 +131,8 @@ void requireDifferent(const CameraData& a, const CameraData& b) {
   if (2 * repeated <= views && 2 * repeated_in_common <= common) return;
   throw DataError(
       "slom.calibration.copies",
-      fmt::format("camera {} and camera {} have the same corners in {} of {} images, where {}; these are "
-                  "photographs of one "
-                  "camera, so correct the files of the other, or leave it out",
+      fmt::format("cameras {} and {} have the same corners in {} of {} images: {}; these are photographs "
+                  "of one camera, so correct the files of the other camera, or leave it out",
                   a.name, b.name, repeated, b.views.size(), first),
       b.name);
 }
@@ -142,7 +140,7 @@ void requireDifferent(const CameraData& a, const CameraData& b) {
 void leaveOutCopies(CameraData& camera) {
   ViewIndex index;
   std::vector<View> kept;
-  kept.reserve(camera.views.size());  // the index points there
+  kept.reserve(camera.views.size());  // the index points to its elements
   for (View& view : camera.views) {
     const ViewIndex::Match match = index.repeatedBy(view);
     if (match.view) {
@@ -168,7 +166,7 @@ void leaveOutCopies(CameraData& camera) {
       camera.name);
 }
 
-/// Readings of images that no camera has, now that copies are left out.
+/// Removes readings of images that no camera has now that copies are left out.
 void leaveOutReadings(Dataset& data) {
   const std::vector<int> images = data.images();
   std::set<int> lost;
@@ -196,7 +194,7 @@ void leaveOutCopies(Dataset& caller) {
   for (CameraData& camera : data.cameras) leaveOutCopies(camera);
   if (data.imu) leaveOutReadings(data);
   for (std::size_t c = 0; c < data.cameras.size(); ++c)
-    caller.cameras[c] = std::move(data.cameras[c]);  // in their places
+    caller.cameras[c] = std::move(data.cameras[c]);  // at their index
   caller.imu = std::move(data.imu);
 }
 

@@ -13,7 +13,7 @@
 namespace slom::calibration {
 namespace {
 
-/// The three of `numbers` that are nearest to `wanted`, rising.
+/// Returns the three of `numbers` nearest to `wanted`, ascending.
 std::vector<int> nearest(std::vector<int> numbers, int wanted) {
   constexpr std::size_t most = 3;
   std::stable_sort(numbers.begin(), numbers.end(),
@@ -23,7 +23,7 @@ std::vector<int> nearest(std::vector<int> numbers, int wanted) {
   return numbers;
 }
 
-/// `17`, `17:5`, `left.17:5`.
+/// Returns `17`, `17:5` or `left.17:5`.
 std::string nameOf(const Exclusion& exclusion) {
   return fmt::format("{}{}{}{}", exclusion.camera, exclusion.camera.empty() ? "" : ".", exclusion.image,
                      exclusion.corner ? fmt::format(":{}", *exclusion.corner) : "");
@@ -65,11 +65,11 @@ void requireImage(const Dataset& data, const Exclusion& exclusion) {
                                 exclusion.image),
                     images.empty() ? "leave it out" : nearestText(images, exclusion.image));
   if (having > 1 && exclusion.corner)
-    refuseExclusion(exclusion, "several cameras have that image, and number corners each in their way",
+    refuseExclusion(exclusion, "several cameras have that image, and each numbers corners in its own way",
                     fmt::format("name the camera, as in {}.{}", names.front(), nameOf(exclusion)));
 }
 
-/// An image or a corner that earlier exclusions have taken out of all cameras that are meant.
+/// Throws if earlier exclusions have removed the image or corner from all cameras that the exclusion names.
 void requireNotGone(const Dataset& rest, const Exclusion& exclusion) {
   for (const CameraData& camera : rest.cameras) {
     const auto is_gone = [&](const Exclusion& one) {
@@ -79,7 +79,7 @@ void requireNotGone(const Dataset& rest, const Exclusion& exclusion) {
         std::none_of(camera.excluded.begin(), camera.excluded.end(), is_gone))
       return;
   }
-  refuseExclusion(exclusion, "another exclusion has left that out already", "give one of the two");
+  refuseExclusion(exclusion, "another exclusion already leaves that out", "give one of the two");
 }
 
 void excludeFrom(CameraData& camera, const Exclusion& exclusion) {

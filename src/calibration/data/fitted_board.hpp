@@ -1,4 +1,4 @@
-// The data with the corners where the fit finds those of the board (FittedBoard).
+// The data with corners moved to where the fit places the corners of the board (FittedBoard).
 #pragma once
 
 #include <optional>
@@ -8,10 +8,11 @@
 
 namespace slom::calibration {
 
-/// The caller's data where the board is flat, and otherwise a copy of them on the fitted board. Points that the fit did not know stay as they are.
+/// The caller's data if the board is flat, otherwise a copy of them on the fitted board. Points that are not in the
+/// fit keep their coordinates.
 class DataOnBoard {
  public:
-  /// `data` must live as long.
+  /// Takes the data. `data` must outlive this object.
   DataOnBoard(const Dataset& data, const std::optional<FittedBoard>& board);
   DataOnBoard(const DataOnBoard&) = delete;
   DataOnBoard& operator=(const DataOnBoard&) = delete;

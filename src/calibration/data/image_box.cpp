@@ -9,7 +9,7 @@ namespace {
 
 constexpr double most_px = 1e6;  // limit of an assumed size
 
-/// Usual sizes of cameras' images [px].
+/// Common sizes of camera images [px].
 constexpr std::pair<int, int> usual_sizes[] = {
     {320, 240},   {640, 360},   {640, 400},   {640, 480},   {752, 480},   {800, 600},   {848, 480},
     {960, 540},   {1024, 768},  {1280, 720},  {1280, 800},  {1280, 960},  {1280, 1024}, {1440, 1080},
@@ -28,7 +28,7 @@ ImageBox imageBoxOf(const CameraData& data, const CameraResult& camera) {
   }
   const vec2 most(needed.cwiseMax(amid).cwiseMin(most_px));
   ImageBox best{int(std::ceil(most.x())), int(std::ceil(most.y())), true};
-  double nearest = 0.1;  // as a part of the size
+  double nearest = 0.1;  // relative to the size
   for (const auto& [long_side, short_side] : usual_sizes) {
     for (const auto& [width, height] : {std::pair(long_side, short_side), {short_side, long_side}}) {
       if (width < needed.x() || height < needed.y()) continue;

@@ -1,4 +1,4 @@
-// The size of the images of a camera, also if nothing states it.
+// The size of the images of a camera, assumed if it is not stated.
 #pragma once
 
 #include "slom/calibration/dataset.hpp"
@@ -7,8 +7,9 @@
 
 namespace slom::calibration {
 
-/// Returns the size as stated, or assumes one: a usual size that has room for all corners and the optical axis near its centre, or the smallest
-/// that has both.
+/// Returns the stated size, or assumes one: a common size that has room for all corners and has the optical axis near
+/// its centre. If there is none, assumes the smallest size that has room for all corners and twice the coordinates of
+/// the axis.
 ImageBox imageBoxOf(const CameraData& data, const CameraResult& camera);
 
 }  // namespace slom::calibration

@@ -1,4 +1,4 @@
-// Points of the board, by which corners of different images are the same.
+// Points of the board, which identify corners across images.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace slom::calibration {
 
-/// The coordinates, in an order: corners at exactly the same place are the same point.
+/// The coordinates as a sortable key. Corners at exactly the same coordinates are the same point.
 using PointKey = std::array<double, 3>;
 inline PointKey keyOf(const vec3& point) { return {point.x(), point.y(), point.z()}; }
 

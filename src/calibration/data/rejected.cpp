@@ -42,11 +42,12 @@ Dataset withoutRejected(const Dataset& data, const Result& result) {
 }
 
 std::vector<GrossCorner> rejectable(const Dataset& data, const Result& result) {
-  // Standard deviations: lens models that are somewhat too simple make 6 or 7 of good corners at the border of an image.
+  // In standard deviations. If a lens model is slightly too simple, good corners at the border of an image reach 6 or
+  // 7.
   constexpr double beyond_doubt = 10;
   constexpr double of_the_worst =
-      0.5;  // a gross corner draws the fit with it, so that others look worse than they are
-  constexpr double most = 0.1;  // of the corners of a view; beyond, it is the view that is wrong
+      0.5;  // a gross corner pulls the fit towards it, so that other corners look worse than they are
+  constexpr double most = 0.1;  // fraction of the corners of a view; beyond, the view itself is wrong
   std::set<std::pair<std::size_t, int>> views;
   std::vector<GrossCorner> rejected;
   double worst = 0;

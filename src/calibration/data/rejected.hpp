@@ -1,4 +1,4 @@
-// Gross corners that a fit does without (Settings::robust).
+// Gross corners that the fit leaves out (Settings::robust).
 #pragma once
 
 #include <vector>
@@ -8,14 +8,15 @@
 
 namespace slom::calibration {
 
-/// The data without these views, and without readings of images that no camera has then.
+/// Returns the data without these views, and without readings of their images that no camera has any more.
 Dataset withoutViews(Dataset data, const std::vector<Stray>& views);
 
-/// The data without Result::rejected and without the views that the fit left out (Stray::is_left_out).
+/// Returns the data without Result::rejected and without the views that the fit left out (Stray::is_left_out).
 Dataset withoutRejected(const Dataset& data, const Result& result);
 
-/// Corners of Result::gross to do without: the worst one of a view where it is more than 10 standard deviations off, and at least half as far as the worst
-/// of all, unless the view, in `data`, then lacks more than a tenth of its corners.
+/// Returns corners of Result::gross to leave out: the worst corner of a view, if it is more than 10 standard
+/// deviations off and at least half as far off as the worst of all. Skips a view of `data` that would then lack more
+/// than a tenth of its corners.
 std::vector<GrossCorner> rejectable(const Dataset& data, const Result& result);
 
 }  // namespace slom::calibration

@@ -12,7 +12,7 @@ namespace {
 
 std::string differenceOfCameras(const Dataset& data, const Result& result) {
   if (data.cameras.size() != result.cameras.size()) {
-    return fmt::format("there are cameras: {} in the data, {} in the result", data.cameras.size(),
+    return fmt::format("the number of cameras is {} in the data and {} in the result", data.cameras.size(),
                        result.cameras.size());
   }
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
@@ -46,7 +46,7 @@ std::string differenceOfImages(const Dataset& data, const Result& result) {
   }
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     if (data.cameras[c].cornerCount() != result.cameras[c].corners) {
-      return fmt::format("there are corners of camera {}: {} in the data, {} in the result",
+      return fmt::format("the number of corners of camera {} is {} in the data and {} in the result",
                          data.cameras[c].name, data.cameras[c].cornerCount(), result.cameras[c].corners);
     }
   }
@@ -55,9 +55,9 @@ std::string differenceOfImages(const Dataset& data, const Result& result) {
 
 std::string differenceOfImu(const Dataset& data, const Result& result) {
   if (data.imu.has_value() != result.imu.has_value())
-    return fmt::format("there is an IMU in the {} alone", data.imu ? "data" : "result");
+    return fmt::format("there is an IMU only in the {}", data.imu ? "data" : "result");
   if (data.imu && data.imu->readings.size() != result.imu->readings) {
-    return fmt::format("there are readings of the IMU: {} in the data, {} in the result",
+    return fmt::format("the number of IMU readings is {} in the data and {} in the result",
                        data.imu->readings.size(), result.imu->readings);
   }
   return "";

@@ -1,4 +1,4 @@
-// Whether a result is that of some data: what is asked of both together takes indices of one into the other.
+// Checks whether a result belongs to some data. Questions about both use indices of one in the other.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace slom::calibration {
 
-/// A clause that says in what the two differ: cameras, their names and corners, images, the IMU and its readings. Empty where the
-/// result may be that of calibrate() with these data.
+/// Returns a clause that says how the two differ: cameras, their names and corners, images, the IMU and its readings.
+/// Empty if calibrate() may have made the result from these data.
 std::string differenceOf(const Dataset& data, const Result& result);
 
 }  // namespace slom::calibration

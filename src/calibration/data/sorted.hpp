@@ -1,4 +1,4 @@
-// Views in the order of their image numbers, on which the fit and what is said of it rely.
+// Views sorted by image number, as the fit and its diagnostics require.
 #pragma once
 
 #include <optional>
@@ -9,16 +9,16 @@ namespace slom::calibration {
 
 void sortViews(CameraData& camera);
 
-/// The caller's data where all views are sorted by image number, and a sorted copy of them otherwise.
+/// The caller's data if all views are sorted by image number, otherwise a sorted copy of them.
 class SortedDataset {
  public:
-  /// `data` must live as long.
+  /// Takes the data. `data` must outlive this object.
   explicit SortedDataset(const Dataset& data);
   SortedDataset(const SortedDataset&) = delete;
   SortedDataset& operator=(const SortedDataset&) = delete;
 
   const Dataset& operator*() const { return copy_ ? *copy_ : *data_; }
-  /// The caller's camera, for one of the sorted data.
+  /// Returns the caller's camera for a camera of the sorted data.
   const CameraData& ofCaller(const CameraData& camera) const;
 
  private:

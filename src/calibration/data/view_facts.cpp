@@ -12,17 +12,17 @@
 namespace slom::calibration {
 namespace {
 
-/// Where a corner is in a neighbouring view; NaN where it is not seen there.
+/// The pixel of a corner in a neighbouring view; NaN if the view does not have the corner.
 struct Neighbour {
   Eigen::Vector2d pixel = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
   double image = 0;
 };
 
-/// Of the corners of all views: where they are in the view before, or in the one after.
+/// Returns, for the corners of all views, their pixels in the view before or in the view after.
 std::vector<std::vector<Neighbour>> neighboursOf(const CameraData& camera, bool is_before, double most_gap) {
   const std::size_t views = camera.views.size();
   std::vector<std::vector<Neighbour>> neighbours(views);
-  std::map<PointKey, Eigen::Vector2d> seen;  // in the view that was looked at last
+  std::map<PointKey, Eigen::Vector2d> seen;  // in the view of the previous round
   for (std::size_t k = 0; k < views; ++k) {
     const std::size_t i = is_before ? k : views - 1 - k, neighbour = is_before ? i - 1 : i + 1;
     const View& view = camera.views[i];

@@ -11,7 +11,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Whether all |x_i| <= most. False for NaN, as comparisons with NaN are.
+/// Returns whether all |x_i| <= most; false for NaN, because comparisons with NaN are false.
 template <class Vector>
 bool isWithin(const Vector& x, double most) {
   return (x.array().abs() <= most).all();
@@ -29,10 +29,9 @@ void requireNames(const Dataset& data) {
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     const std::string& name = data.cameras[c].name;
     if (name.empty()) {
-      throw DataError(
-          "slom.calibration.bad-camera",
-          fmt::format("cameras[{}] has no name; give it one, by which results and messages call it", c),
-          fmt::format("cameras[{}]", c));
+      throw DataError("slom.calibration.bad-camera",
+                      fmt::format("cameras[{}] has no name; give it one for results and messages", c),
+                      fmt::format("cameras[{}]", c));
     }
     const auto [known, is_new] = index_of.emplace(name, c);
     if (is_new) continue;
@@ -68,7 +67,7 @@ void requireImagesOnce(const CameraData& camera) {
   }
 }
 
-/// Where to find a corner, if it is of a file with lines or a photograph, and its name.
+/// Returns the place of a corner, if it comes from a file with lines or from a photograph, and its name.
 std::string placeAndName(const CameraData& camera, const View& view, const Corner& corner) {
   const bool has_place = corner.line > 0 || !view.photo.empty() || !camera.file.empty();
   return (has_place ? camera.place(view, corner) + ": " : "") + nameOf(camera, view, corner);
@@ -83,7 +82,8 @@ std::string placeAndName(const CameraData& camera, const View& view, const Corne
       camera.name);
 }
 
-/// Pixel centres may have whole coordinates, or halves, and what finds corners may miss by a fraction.
+/// Margin at the border. Pixel centres may have whole or half coordinates, and a detector may be off by a fraction of
+/// a pixel.
 constexpr double beyond_border_px = 1;
 
 bool isInside(const vec2& pixel, double width, double height) {
@@ -91,9 +91,9 @@ bool isInside(const vec2& pixel, double width, double height) {
          pixel.y() >= -beyond_border_px && pixel.y() <= height + beyond_border_px;
 }
 
-/// Where more corners than are gross now and then lie outside of the images, it is the size that is wrong.
+/// Throws if more corners than a few gross ones lie outside the images: then the size is wrong.
 void requireInside(const CameraData& camera) {
-  constexpr double most_outside = 0.05;  // of the corners
+  constexpr double most_outside = 0.05;  // fraction of the corners
   const auto& [width, height] = *camera.image_size;
   const View* view = nullptr;
   const Corner* first = nullptr;
@@ -110,8 +110,8 @@ void requireInside(const CameraData& camera) {
   throw DataError(
       "slom.calibration.bad-corner",
       fmt::format(
-          "{} is at the pixel {}, outside of images of {} x {} px, as {} of {} corners are{}; correct the "
-          "size, or the corners",
+          "{} is at the pixel {}, outside the image of {} x {} px, like {} of {} corners{}; correct the "
+          "size or the corners",
           placeAndName(camera, *view, *first), textOf(first->pixel), width, height, count,
           camera.cornerCount(), swapped == 0 ? " (are width and height exchanged?)" : ""),
       camera.name);
@@ -165,7 +165,7 @@ void requireReadings(const ImuData& imu) {
     throw DataError(
         "slom.calibration.bad-reading",
         {.place = imu.place(i),
-         .fault = fmt::format("image {} has a reading already, {}", reading.image, imu.place(known->second)),
+         .fault = fmt::format("image {} already has a reading, {}", reading.image, imu.place(known->second)),
          .remedy = "keep one, or the mean of both"});
   }
 }

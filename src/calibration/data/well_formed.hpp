@@ -1,4 +1,4 @@
-// Data that cannot even be looked at: without names, without corners, with numbers that are not finite.
+// Checks for data that no function can work with: without names, without corners, with numbers that are not finite.
 #pragma once
 
 #include <string>
@@ -7,12 +7,14 @@
 
 namespace slom::calibration {
 
-/// Throws DataError with the first thing that is wrong: names of cameras, image sizes, images and readings that are there twice,
-/// views and an IMU without content, coordinates and readings that are not finite or too large. Whatever takes a Dataset asks this first;
-/// in data that pass, every loop over corners or readings has something to do, and no number becomes infinite by being squared.
+/// Throws DataError with the first fault: names of cameras, image sizes, images and readings that are there twice,
+/// views and an IMU without content, coordinates and readings that are not finite or too large. Each function that
+/// takes a Dataset calls this first. Then every loop over corners or readings has at least one element, and no square
+/// of a number is infinite.
 void requireWellFormed(const Dataset& data);
 
-/// `corner 7 of image 3 of camera left`; `corners[2] of image 3 of camera left` where the view has several corners of that number.
+/// Returns `corner 7 of image 3 of camera left`, or `corners[2] of image 3 of camera left` if the view has several
+/// corners with that number.
 std::string nameOf(const CameraData& camera, const View& view, const Corner& corner);
 
 }  // namespace slom::calibration

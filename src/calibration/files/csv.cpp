@@ -14,7 +14,8 @@
 namespace slom::calibration {
 namespace {
 
-/// Returns the separator of a table with this header: a comma if it has one, otherwise a semicolon or a tab, and a comma without any.
+/// Returns the separator of a table with this header: a comma if the header has one, otherwise a semicolon or a tab.
+/// Returns a comma if there is none.
 char separatorOf(std::string_view header) {
   for (const char separator : {',', ';', '\t'}) {
     if (header.find(separator) != std::string_view::npos) return separator;
@@ -22,7 +23,7 @@ char separatorOf(std::string_view header) {
   return ',';
 }
 
-/// Appends the fields of a line; returns how many there are.
+/// Appends the fields of a line. Returns the number of fields.
 std::size_t split(std::string_view line, char separator, std::vector<std::string_view>& fields) {
   const std::size_t before = fields.size();
   std::size_t begin = 0;
@@ -33,16 +34,16 @@ std::size_t split(std::string_view line, char separator, std::vector<std::string
   return fields.size() - before;
 }
 
-/// What is left of a text, and the number of the line read last.
+/// The rest of a text, and the number of the line read last.
 struct Lines {
   std::string_view rest;
   int line = 0;
 
-  /// The next line that is neither blank nor a comment, or false at the end.
+  /// Reads the next line that is neither blank nor a comment. Returns false at the end.
   bool next(std::string_view& text, std::vector<CsvComment>& comments) {
     while (!rest.empty()) {
       const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
-      const bool is_pair = rest.substr(end).starts_with("\r\n");  // one end of a line, as Windows has it
+      const bool is_pair = rest.substr(end).starts_with("\r\n");  // the line end of Windows
       text = rest.substr(0, end);
       rest.remove_prefix(std::min(end + (is_pair ? 2 : 1), rest.size()));
       if (++line == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
@@ -57,10 +58,10 @@ struct Lines {
   }
 };
 
-constexpr std::size_t longest_text =
-    80;  // in a message: a file that is not a table may have lines of any length
+constexpr std::size_t longest_text = 80;  // in a message; a file that is not a table may have very long lines
 
-/// By its first bytes: JPEG, PNG, TIFF of either order of bytes, BMP, or PGM and PPM with binary numbers.
+/// Recognises photographs by their first bytes: JPEG, PNG, TIFF of either byte order, BMP, or PGM and PPM with binary
+/// numbers.
 bool isPhotograph(std::string_view text) {
   constexpr std::string_view beginnings[] = {"\xFF\xD8\xFF", "\x89PNG", std::string_view("II*\0", 4),
                                              std::string_view("MM\0*", 4)};
@@ -121,8 +122,8 @@ CsvTable::CsvTable(std::string file, std::string text_of_file, std::vector<std::
   const std::string header = fmt::format("{}", fmt::join(columns_, ","));
   if (isPhotograph(text_)) {
     badFile(fmt::format(
-        "{}: this is a photograph, where a table with the header \"{}\" must be; slom calibrate takes photographs by "
-        "--images",
+        "{}: this is a photograph instead of a table with the header \"{}\"; slom calibrate takes "
+        "photographs by --images",
         file_, header));
   }
   Lines lines{text_};

@@ -1,4 +1,4 @@
-// Tables of numbers in CSV files, with errors that name file, line and column.
+// Tables of numbers in CSV files. Errors name file, line and column.
 #pragma once
 
 #include <cstddef>
@@ -8,23 +8,23 @@
 
 namespace slom::calibration {
 
-/// One line below the header. Fields are text until they are asked for as numbers.
+/// One line below the header. A field is text until it is read as a number.
 class CsvRow {
  public:
-  /// `fields` live in the table.
+  /// Takes the fields of a row. `fields` belong to the table.
   CsvRow(const std::string& file, const std::vector<std::string>& columns, int line, std::size_t first_field,
          const std::vector<std::string_view>& fields);
 
   int line() const { return line_; }
-  /// `file:line`, as errors begin.
+  /// Returns `file:line`, the beginning of an error.
   std::string place() const;
-  /// The field as a finite number; DataError [slom.calibration.bad-file] otherwise.
+  /// Returns the field as a finite number. Throws DataError [slom.calibration.bad-file] otherwise.
   double number(std::size_t column) const;
-  /// The same, of magnitude `most` at most.
+  /// Returns the field as a finite number of magnitude `most` at most. Throws likewise.
   double number(std::size_t column, double most) const;
-  /// The field as a whole number from 0 on; DataError [slom.calibration.bad-file] otherwise.
+  /// Returns the field as a whole number from 0 on. Throws DataError [slom.calibration.bad-file] otherwise.
   int index(std::size_t column) const;
-  /// The same without a limit: its digits, without leading zeros.
+  /// Returns the digits of a whole number of any size, without leading zeros. Throws likewise.
   std::string digits(std::size_t column) const;
 
  private:
@@ -42,20 +42,20 @@ struct CsvComment {
   int line = 0;
 };
 
-/// A file with a header line of known column names. Fields are separated by commas, semicolons or tabs, as the header is; between semicolons
-/// and tabs, numbers may have a decimal comma. Blank lines and lines that start with # are skipped; spaces around fields, a byte order mark and
-/// whether lines end by a line feed, a carriage return or both do not matter.
+/// A file with a header line of known column names. Fields are separated by commas, semicolons or tabs; the header
+/// decides. With semicolons or tabs, numbers may have a decimal comma. Skipped are blank lines, lines that start with
+/// #, spaces around fields and a byte order mark. A line ends with a line feed, a carriage return or both.
 class CsvTable {
  public:
-  /// Takes all of the file's text; DataError [slom.calibration.bad-file] if its header is another one, a row has another number of
-  /// fields than the header, or there is no row at all.
+  /// Takes the whole text of the file. Throws DataError [slom.calibration.bad-file] if the header is different, a row
+  /// has a different number of fields than the header, or there is no row.
   CsvTable(std::string file, std::string text, std::vector<std::string> columns);
   CsvTable(const CsvTable&) = delete;
   CsvTable& operator=(const CsvTable&) = delete;
 
   const std::string& file() const { return file_; }
   const std::vector<CsvRow>& rows() const { return rows_; }
-  /// What lines that start with # say.
+  /// Returns the texts of the lines that start with #.
   const std::vector<CsvComment>& comments() const { return comments_; }
 
  private:

@@ -1,4 +1,5 @@
-// Trees of keys and values that other programs write: XML, YAML and JSON of OpenCV's FileStorage, YAML that people write for Kalibr.
+// Trees of keys and values from other programs: XML, YAML and JSON of OpenCV's FileStorage, and YAML that people
+// write for Kalibr.
 #pragma once
 
 #include <deque>
@@ -8,7 +9,7 @@
 
 namespace slom::calibration {
 
-/// A scalar, a list or a map with its line in the file. Texts lie in the Document.
+/// A scalar, a list or a map, with its line in the file. The Document owns the texts.
 struct Node {
   enum class Kind { scalar, list, map };
   Kind kind = Kind::scalar;
@@ -33,7 +34,7 @@ class Document {
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
-  /// Keeps a text that does not stand in the file as it is, as one with escapes.
+  /// Keeps a text that differs from the file, such as one with escapes replaced.
   std::string_view keep(std::string changed) { return kept_.emplace_back(std::move(changed)); }
 
   [[noreturn]] void fail(int line, const std::string& fault_and_remedy) const;
@@ -46,7 +47,7 @@ class Document {
   std::deque<std::string> kept_;
 };
 
-constexpr int deepest_document = 32;  ///< lists within lists: matrices of images need 5
+constexpr int deepest_document = 32;  ///< depth of nested lists; matrices of images need 5
 
 /// Parse the text of a document into its root.
 void parseXml(Document& document);

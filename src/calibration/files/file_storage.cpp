@@ -1,4 +1,5 @@
-// Corners in files of OpenCV's FileStorage: what its calibration samples write, and what users write with the names that OpenCV's functions have.
+// Corners in files of OpenCV's FileStorage, as written by its calibration samples, or by users with the parameter
+// names of OpenCV's functions.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -16,9 +17,9 @@ namespace slom::calibration {
 namespace {
 
 constexpr int most_board_side = 1000, most_entries = 100'000'000;
-constexpr double not_metres = 0.5;  // squares this long are of another unit, or of none
+constexpr double not_metres = 0.5;  // squares at least this long are in another unit, or in none
 
-/// `image_points`, `imagePoints` and `Image_Points` are one key.
+/// Returns the key in lower case without underscores: `image_points`, `imagePoints` and `Image_Points` are one key.
 std::string plainKey(std::string_view key) {
   std::string plain;
   for (const char c : key) {
@@ -32,7 +33,7 @@ struct KeyedNode {
   const Node* node = nullptr;
 };
 
-/// The first entry with one of these keys.
+/// Returns the first entry with one of these keys.
 KeyedNode entryOf(const Node& map, std::initializer_list<std::string_view> plain_keys) {
   for (std::size_t i = 0; i < map.keys.size(); ++i) {
     const std::string plain = plainKey(map.keys[i]);
@@ -42,13 +43,13 @@ KeyedNode entryOf(const Node& map, std::initializer_list<std::string_view> plain
   return {};
 }
 
-/// Numbers with the lines that they stand in.
+/// Numbers, each with its line in the file.
 struct Numbers {
   std::vector<double> values;
   std::vector<int> lines;
 };
 
-/// Points of one image or several.
+/// A file with the points of one or more images.
 class Storage {
  public:
   Storage(const Document& document, const BoardOfFiles& board) : document_(document), board_(board) {}
@@ -91,12 +92,12 @@ class Storage {
     document_.fail(
         root.line,
         fmt::format(
-            "there is no key image_points, but {}; write the corners too, as OpenCV's calibration sample "
+            "there is no key image_points, only {}; write the corners too, as OpenCV's calibration sample "
             "does with -op",
             shortened(fmt::format("{}", fmt::join(root.keys, ", ")), longest_quote)));
   }
 
-  /// Adds a number, or all numbers of lists within lists.
+  /// Appends a number, or all numbers of nested lists.
   void append(const Node& node, std::string_view key, double most, Numbers& numbers) const {
     if (node.kind == Node::Kind::map) return appendMatrix(node, key, most, numbers);
     if (node.kind == Node::Kind::list) {
@@ -115,7 +116,7 @@ class Storage {
     return *found;
   }
 
-  /// Sides of a matrix, its channels last.
+  /// Returns the sides of a matrix, followed by its number of channels.
   std::vector<int> shapeOf(const Node& matrix, std::string_view key) const {
     std::vector<int> shape;
     if (const Node* const sizes = matrix.find("sizes")) {
@@ -128,7 +129,7 @@ class Storage {
     }
     const Node& type = valueOf(matrix, "dt", key);
     if (type.kind != Node::Kind::scalar || type.text.empty())
-      document_.fail(type.line, "dt is no type; write it as cv::FileStorage does");
+      document_.fail(type.line, "dt is not a type; write it as cv::FileStorage does");
     const std::string_view digits = type.text.substr(0, type.text.size() - 1);
     shape.push_back(
         digits.empty() ? 1 : document_.whole(Node{Node::Kind::scalar, type.line, digits}, "dt", 1, 4));
@@ -141,15 +142,15 @@ class Storage {
     const std::size_t before = numbers.values.size();
     const Node& data = valueOf(matrix, "data", key);
     if (data.kind == Node::Kind::map)
-      document_.fail(data.line, "data is no list of numbers; write it as cv::FileStorage does");
+      document_.fail(data.line, "data is not a list of numbers; write it as cv::FileStorage does");
     append(data, key, most, numbers);
     if (const std::size_t count = numbers.values.size() - before; double(count) != expected)
       document_.fail(data.line,
-                     fmt::format("{} has {} numbers where rows, cols and dt say {}; copy the file again", key,
+                     fmt::format("{} has {} numbers, but rows, cols and dt give {}; copy the file again", key,
                                  count, expected));
   }
 
-  /// Cuts one list of all images into those of each.
+  /// Cuts one list of the numbers of all images into a list for each image.
   std::vector<Numbers> cut(const Numbers& all, std::size_t images) const {
     std::vector<Numbers> parts(images);
     const std::size_t each = images == 0 ? 0 : all.values.size() / images;
@@ -161,7 +162,8 @@ class Storage {
     return parts;
   }
 
-  /// The numbers of each image, `dimension` for a point: of a matrix with a row for each image, or of a list with an entry for each.
+  /// Returns the numbers of each image, `dimension` for each point. Takes a matrix with a row for each image, or a
+  /// list with an entry for each.
   std::vector<Numbers> byImage(const KeyedNode& entry, std::size_t dimension, double most) const {
     const Node& node = *entry.node;
     std::vector<Numbers> images;
@@ -190,7 +192,7 @@ class Storage {
     return images;
   }
 
-  /// A list of single points is that of one board.
+  /// Joins a list of single points into one board.
   static std::vector<Numbers> inOne(std::vector<Numbers> entries) {
     const bool are_points = std::all_of(entries.begin(), entries.end(),
                                         [](const Numbers& one) { return one.values.size() == 3; });
@@ -201,12 +203,13 @@ class Storage {
     return entries;
   }
 
-  /// Has a list for each image, or one list for all images.
+  /// Returns the points of each image, or one list of points for all images.
   std::vector<std::vector<vec3>> objectPoints(const KeyedNode& entry,
                                               const std::vector<Numbers>& pixels) const {
     const std::vector<Numbers> numbers = inOne(byImage(entry, 3, most_corner_m));
     if (numbers.size() != 1 && numbers.size() != pixels.size())
-      document_.fail(entry.node->line, fmt::format("{} are of {} images, image_points of {}; write as many",
+      document_.fail(entry.node->line, fmt::format("{} has points of {} images, image_points of {}; write "
+                                                   "points of the same images",
                                                    entry.key, numbers.size(), pixels.size()));
     std::vector<std::vector<vec3>> world;
     double nearest = std::numeric_limits<double>::infinity();
@@ -224,14 +227,14 @@ class Storage {
                         known = world[std::min(i, world.size() - 1)].size();
       if (corners == known || corners == 0) continue;
       document_.fail(pixels[i].lines.front(),
-                     fmt::format("image {} has {} image points and {} {}; write as many", i + 1, corners,
-                                 known, entry.key));
+                     fmt::format("image {} has {} image points and {} {}; write the same number of each",
+                                 i + 1, corners, known, entry.key));
     }
     scale(world, nearest, entry);
     return world;
   }
 
-  /// To metres: the nearest points that follow each other are a square apart.
+  /// Converts to metres. The smallest distance between successive points is the side of a square.
   void scale(std::vector<std::vector<vec3>>& world, double nearest, const KeyedNode& entry) const {
     if (board_.square_m > 0 && std::isfinite(nearest)) {
       for (auto& points : world) {
@@ -243,13 +246,12 @@ class Storage {
   }
 
   [[noreturn]] void failUnit(int line, const std::string& what) const {
-    throw DataError("slom.calibration.no-board",
-                    {.place = fmt::format("{}:{}", document_.file, line),
-                     .fault = what + ", and no unit is said, in which metres are unlikely",
-                     .remedy = "state the side of a square in BoardOfFiles"});
+    throw DataError("slom.calibration.no-board", {.place = fmt::format("{}:{}", document_.file, line),
+                                                  .fault = what + " without a unit, and metres are unlikely",
+                                                  .remedy = "state the side of a square in BoardOfFiles"});
   }
 
-  /// A board of the size that the file or the user says, which must agree.
+  /// Returns the points of a board of the size stated by the file or the user. If both state a size, they must agree.
   std::vector<std::vector<vec3>> grid(const Node& root, const KeyedNode& points,
                                       const std::vector<Numbers>& pixels) const {
     BoardOfFiles board = board_;
@@ -261,7 +263,8 @@ class Storage {
       if (board_.columns > 0 && (columns != board_.columns || rows != board_.rows))
         document_.fail(
             width.node->line,
-            fmt::format("the board is of {} x {} corners, and {} x {} are stated; correct one of them",
+            fmt::format("the file has a board of {} x {} corners, but {} x {} are stated; correct one of "
+                        "them",
                         columns, rows, board_.columns, board_.rows));
       board.columns = columns, board.rows = rows;
     }
@@ -278,7 +281,8 @@ class Storage {
       const std::size_t count = pixels[i].values.size() / 2;
       if (count == corners.size() || count == 0) continue;
       document_.fail(pixels[i].lines.front(),
-                     fmt::format("{} of image {} are {}, and the board has {} x {} corners; correct its size",
+                     fmt::format("{} of image {}: {} points, but the board has {} x {} corners; correct "
+                                 "the size of the board",
                                  points.key, i + 1, count, board.columns, board.rows));
     }
     return {std::move(corners)};
@@ -295,7 +299,7 @@ class Storage {
                      document_.whole(both.node->items[1], both.key, 1, most_side_px)};
   }
 
-  /// By the list of names, where there is one.
+  /// Names the images by the file's list of names, if there is one.
   void nameImages(const Node& root, std::vector<GridImage>& images) const {
     const KeyedNode names =
         entryOf(root, {"imagelist", "images", "imagenames", "imagefiles", "filenames", "files"});
@@ -303,7 +307,8 @@ class Storage {
     const bool is_list = names.node->kind == Node::Kind::list;
     const std::size_t count = is_list ? names.node->items.size() : 1;
     if (count != images.size())
-      document_.fail(names.node->line, fmt::format("{} names {} images, image_points has {}; write as many",
+      document_.fail(names.node->line, fmt::format("{} names {} images, image_points has {}; write the "
+                                                   "same number of each",
                                                    names.key, count, images.size()));
     for (std::size_t i = 0; i < count; ++i)
       images[i].name = (is_list ? names.node->items[i] : *names.node).text;

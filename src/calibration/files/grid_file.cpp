@@ -14,7 +14,7 @@
 namespace slom::calibration {
 namespace {
 
-/// The first line that says something: not blank, and no comment unless it has columns' names.
+/// Returns the first line with content: not blank, and no comment unless the comment holds column names.
 std::string_view firstLine(std::string_view text, bool with_comments) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   while (!text.empty()) {
@@ -38,7 +38,7 @@ bool hasWord(std::string_view line, std::string_view word) {
   return false;
 }
 
-/// `image_points:`, a key of YAML without the line %YAML.
+/// Recognises a line such as `image_points:`, a key of YAML without the line %YAML.
 bool beginsWithKey(std::string_view line) {
   const std::size_t end = std::min(line.find(':'), line.size());
   return end > 0 && end < line.size() && (end + 1 == line.size() || line[end + 1] == ' ') &&
@@ -46,7 +46,7 @@ bool beginsWithKey(std::string_view line) {
                      [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; });
 }
 
-/// The runs of digits in a file's name, without leading zeros.
+/// Returns the runs of digits in a file's name, without leading zeros.
 std::vector<std::string> runsOfDigits(const std::string& name) {
   const std::string stem = std::filesystem::path(name).stem();
   std::vector<std::string> runs;
@@ -63,7 +63,8 @@ std::vector<std::string> runsOfDigits(const std::string& name) {
   return runs;
 }
 
-/// The two images whose numbers are the same, counted `from_end`; nothing: all differ.
+/// Returns two images with the same number in run `from_end`, counted from the end of the name; nothing if all
+/// differ.
 std::optional<std::pair<std::size_t, std::size_t>> sameNumber(
     const std::vector<std::vector<std::string>>& runs, std::size_t from_end) {
   std::map<std::string, std::size_t> first;
@@ -74,7 +75,7 @@ std::optional<std::pair<std::size_t, std::size_t>> sameNumber(
   return {};
 }
 
-/// The place, counted from the end, at which the names have the most different numbers.
+/// Returns the run, counted from the end of the name, that has the most different numbers.
 std::size_t mostDistinct(const std::vector<std::vector<std::string>>& runs, std::size_t places) {
   std::size_t best = 0, most = 0;
   for (std::size_t from_end = 0; from_end < places; ++from_end) {
@@ -128,8 +129,8 @@ void numberByNames(const std::string& file, std::vector<GridImage>& images) {
     fewest = std::min(fewest, runs.back().size());
     if (fewest > 0) continue;
     badFile(
-        fmt::format("{}: there is no number in the name of image {}, by which images of the same moment are "
-                    "found; rename it, as in left07.jpg",
+        fmt::format("{}: the name of image {} has no number to pair images taken at the same time; rename "
+                    "it, as in left07.jpg",
                     file, shortened(image.name, longest_quote)));
   }
   for (std::size_t from_end = 0; from_end < fewest; ++from_end) {

@@ -1,4 +1,4 @@
-// Corner files of other programs: images, each a list of corners of a board that the file or the user describes.
+// Corner files of other programs. Each image is a list of corners of a board that the file or the user describes.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace slom::calibration {
 
-/// One image of such a file. The number is text, as time stamps may be longer than an image number.
+/// One image of such a file. The number is text, because time stamps may be longer than an image number.
 struct GridImage {
   std::string digits;
   std::string name{};  ///< of its photograph; empty: unknown
@@ -22,23 +22,24 @@ struct GridFile {
   std::string file;
   std::vector<GridImage> images{};
   std::optional<ImageSize> image_size{};
-  bool uses_board = false;  ///< what the user said of the board
+  bool uses_board = false;  ///< whether the user's description of the board was needed
 };
 
-/// What a file holds, by its first words.
+/// The format of a file, by its first words.
 enum class FileFormat { table, vnlog, xml, yaml };
 FileFormat formatOf(std::string_view text);
 
-/// Read the formats other than a table. DataError [slom.calibration.bad-file] for a file that is not as it should be, [slom.calibration.no-board] for one
-/// that does not say where its corners lie if `board` does not say it either.
+/// Read the formats other than a table. Throw DataError [slom.calibration.bad-file] for a malformed file. Throw
+/// [slom.calibration.no-board] if neither the file nor `board` says where the corners lie.
 GridFile readVnlog(const std::string& file, std::string_view text, const BoardOfFiles& board);
 GridFile readFileStorage(const std::string& file, std::string text, FileFormat format,
                          const BoardOfFiles& board);
 
-/// Returns where the corners of a board lie, row by row; `columns` and `rows` are those of the file, where it says them.
+/// Returns the corners of a board, row by row. `columns` and `rows` are from the file if it states them.
 std::vector<vec3> pointsOf(const BoardOfFiles& board, const std::string& file);
 
-/// Sets the number of each image to the one in its name: the last that differs in all names, of a file's name without folders and ending.
+/// Sets the number of each image to a number in its file name, without folders and extension: the last one that
+/// differs between all names.
 void numberByNames(const std::string& file, std::vector<GridImage>& images);
 
 }  // namespace slom::calibration

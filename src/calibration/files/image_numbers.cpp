@@ -14,7 +14,7 @@
 namespace slom::calibration {
 namespace {
 
-/// A stamp of a source. 64 bits of mantissa hold the 19 digits of nanoseconds.
+/// A time stamp of a source. The 64-bit mantissa holds the 19 digits of nanoseconds.
 struct Stamp {
   long double time = 0;
   std::size_t source = 0;
@@ -27,7 +27,7 @@ long double timeOf(const std::string& digits) {
   return time;
 }
 
-/// By source, rising.
+/// Returns the stamps of each source, ascending.
 std::vector<std::vector<Stamp>> sortedStamps(const std::vector<std::vector<std::string>>& by_source) {
   std::vector<std::vector<Stamp>> all;
   for (std::size_t source = 0; source < by_source.size(); ++source) {
@@ -52,10 +52,10 @@ std::size_t nearest(const std::vector<Stamp>& stamps, long double time) {
   return best;
 }
 
-/// A moment: the stamps of the sources that have it.
+/// A moment: the stamps of the sources that recorded it.
 using Moment = std::vector<Stamp>;
 
-/// Adds the stamps of a source to the moments that they are nearest to, and makes new ones of the others.
+/// Adds each stamp of a source to its nearest moment, if within `most`. Makes new moments of the other stamps.
 void addSource(const std::vector<Stamp>& stamps, double most, std::vector<Moment>& moments) {
   std::vector<Stamp> heads;
   for (const Moment& moment : moments) heads.push_back(moment.front());
@@ -116,10 +116,10 @@ int ImageNumbers::of(std::size_t source, const std::string& number) const {
 std::string sentenceOf(const ImageNumbers& numbers) {
   if (numbers.paired() == 0) return "";
   return fmt::format(
-      "image numbers are time stamps; {} {} of different cameras that are nearest to each other, and differ by up to {:.10g}, {} % of "
-      "their spacing",
-      numbers.paired(), numbers.paired() == 1 ? "image pairs those" : "images pair those",
-      numbers.largestDifference(), twoDigits(100 * numbers.largestDifference() / numbers.spacing()));
+      "image numbers are time stamps; {} {} the nearest stamps of different cameras, which differ by up "
+      "to {:.10g}, {} % of their spacing",
+      numbers.paired(), numbers.paired() == 1 ? "image pairs" : "images pair", numbers.largestDifference(),
+      twoDigits(100 * numbers.largestDifference() / numbers.spacing()));
 }
 
 }  // namespace slom::calibration

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::size_t longest_comment = 80;  // in a message
 
-/// Whether a comment is meant to state the size, however it is written: `Image size: 640x480`.
+/// Returns whether a comment means to state the size, in any spelling: `Image size: 640x480`.
 bool isAboutSize(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](char c) {
     return c == ' ' || c == '-' ? '_' : c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
@@ -32,7 +32,7 @@ bool isAboutSize(std::string text) {
   return text.starts_with("image_size") && text.find_first_of("0123456789") != std::string::npos;
 }
 
-/// `image_size_px: 640 x 480`
+/// Reads `image_size_px: 640 x 480`.
 std::optional<ImageSize> sizeIn(const CsvTable& table, const CsvComment& comment) {
   constexpr std::string_view key = "image_size_px:";
   const bool has_key = comment.text.starts_with(key);
@@ -51,10 +51,10 @@ std::optional<ImageSize> sizeIn(const CsvTable& table, const CsvComment& comment
                   table.file(), comment.line, shortened(comment.text, longest_comment), most_side_px));
 }
 
-/// The image that a number in a file stands for; nothing where the file's rows have no such number.
+/// Maps a number in a file to an image number; nothing if no row of the file has that number.
 using ImageOf = std::function<std::optional<int>(const std::string& digits)>;
 
-/// `photo 7: left07.jpg`
+/// Reads `photo 7: left07.jpg`.
 void notePhoto(const CsvComment& comment, const ImageOf& image_of, std::map<int, View>& views) {
   constexpr std::string_view key = "photo ";
   const std::size_t colon = comment.text.find(':');
@@ -74,7 +74,7 @@ const std::vector<std::string> corner_columns{"image",     "corner", "world_x_m"
                                               "world_z_m", "u_px",   "v_px"},
     imu_columns{"image", "ax_m_s2", "ay_m_s2", "az_m_s2", "valid"};
 
-/// The image numbers of the rows that count, each once.
+/// Returns the image numbers of the rows that count, each once.
 std::vector<std::string> numbersIn(const CsvTable& table, const std::function<bool(const CsvRow&)>& counts) {
   std::set<std::string> numbers;
   for (const CsvRow& row : table.rows()) {
@@ -141,7 +141,7 @@ CameraData cornersIn(const GridFile& grid, const std::string& camera_name, const
   return camera;
 }
 
-/// The parts of one camera's recording.
+/// Joins the parts of one camera's recording.
 CameraData joined(const std::string& camera_name, const std::vector<std::string>& files,
                   std::vector<CameraData> parts) {
   if (parts.size() == 1) return std::move(parts.front());
@@ -153,7 +153,7 @@ CameraData joined(const std::string& camera_name, const std::vector<std::string>
         (part.image_size->width != all.image_size->width ||
          part.image_size->height != all.image_size->height)) {
       badFile(fmt::format(
-          "{}: images are of {} x {} pixels, but of {} x {} in a file before it; give files of one camera alone",
+          "{}: images have {} x {} pixels, but {} x {} in an earlier file; give files of only one camera",
           file, part.image_size->width, part.image_size->height, all.image_size->width,
           all.image_size->height));
     }
@@ -162,8 +162,9 @@ CameraData joined(const std::string& camera_name, const std::vector<std::string>
       const auto [known, is_new] = file_of.emplace(view.image, file);
       if (!is_new) {
         badFile(fmt::format(
-            "{}:{}: image {} of camera {} is in {} already; number the images of all files differently, in all cameras alike, put the rows "
-            "of one image into one file, or give the files as those of two cameras",
+            "{}:{}: image {} of camera {} is already in {}; number images differently in all files and "
+            "alike in all cameras, put the rows of one image into one file, or give the files as two "
+            "cameras",
             file, view.corners.front().line, view.image, camera_name, known->second));
       }
       view.file = file;
@@ -193,8 +194,8 @@ ImuData readingsIn(const CsvTable& table, const ImageOf& image_of) {
                             row.line()});
   }
   if (imu.readings.empty()) {
-    badFile(fmt::format("{}:{}: no row has valid = 1; leave out --imu, or mark the readings that can be used",
-                        table.file(), table.rows().back().line()));
+    badFile(fmt::format("{}:{}: no row has valid = 1; drop --imu, or mark usable readings", table.file(),
+                        table.rows().back().line()));
   }
   return imu;
 }
@@ -203,7 +204,7 @@ ImuData readingsIn(const CsvTable& table, const ImageOf& image_of) {
 
 namespace {
 
-/// One file of corners: a table, or what another program wrote.
+/// One file of corners: a table, or a file of another program.
 struct CornerFile {
   std::unique_ptr<CsvTable> table;
   std::optional<GridFile> grid;
@@ -231,11 +232,11 @@ struct CornerFile {
   }
 };
 
-/// The files of a rig, read but not yet put together: image numbers may be time stamps of all of them.
+/// The files of a rig, read but not yet joined, because image numbers may be time stamps paired across all files.
 struct RigFiles {
   std::vector<std::vector<CornerFile>> cameras;
   std::unique_ptr<CsvTable> readings;
-  std::vector<std::vector<std::string>> numbers;  // of each camera in turn, and of the IMU at the end
+  std::vector<std::vector<std::string>> numbers;  // by camera, and last of the IMU
 
   RigFiles(const std::vector<CameraFiles>& files, const std::string& imu_file, const BoardOfFiles& board) {
     for (const CameraFiles& camera : files) {
@@ -295,7 +296,7 @@ Dataset readRig(const std::vector<CameraFiles>& cameras, const std::string& imu_
   if (!files.useBoard())
     throw DataError("slom.calibration.unused-board",
                     {.place = cameras.empty() ? "" : cameras.front().files.front(),
-                     .fault = "the corner files say themselves where their corners lie",
+                     .fault = "the corner files already state where their corners lie",
                      .remedy = "state no board"});
   return putTogether(cameras, files, found);
 }

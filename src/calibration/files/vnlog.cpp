@@ -1,4 +1,5 @@
-// Corners as mrcal and mrgingham write them: a vnlog table of columns filename, x, y and level or weight, the corners of an image row by row.
+// Corners as mrcal and mrgingham write them: a vnlog table of columns filename, x, y and level or weight, with the
+// corners of an image row by row.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -115,7 +116,7 @@ class Vnlog {
     return value;
   }
 
-  /// Of a corner over that of the others; nothing: the corner does not count.
+  /// Returns the sigma of a corner relative to the other corners; nothing if the corner does not count.
   std::optional<double> sigmaOf(const std::vector<std::string_view>& words) const {
     const std::size_t column = level_ != no_column ? level_ : weight_;
     if (column == no_column) return 1;
@@ -130,7 +131,7 @@ class Vnlog {
     const double sigma = level_ != no_column ? std::exp2(value) : 1 / value;
     if (sigma < least_corner_sigma || sigma > most_corner_sigma)
       fail(fmt::format(
-          "{} is \"{}\", by which the corner is {:.3g} times as uncertain as others; write - to skip it",
+          "{} is \"{}\", which makes the corner {:.3g} times as uncertain as others; write - to skip it",
           name, shortened(word, longest_quote), sigma));
     return sigma;
   }

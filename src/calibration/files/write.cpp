@@ -7,7 +7,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Without characters that end a line or a comment: newline as \x0a.
+/// Escapes characters that would end a line or a comment: newline as \x0a.
 std::string oneLine(std::string_view text) {
   std::string line;
   for (const char c : text) {

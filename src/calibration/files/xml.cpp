@@ -1,4 +1,4 @@
-// The XML of OpenCV's FileStorage: elements, text of numbers and words, comments; no namespaces, no sections of characters.
+// The XML of OpenCV's FileStorage: elements, text of numbers and words, comments. No namespaces, no CDATA sections.
 #include <cctype>
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ class XmlReader {
                                             "<opencv_storage>, so give one of cv::FileStorage",
                                             shortened(name, longest_quote)));
     skipBetween();
-    if (!rest_.empty()) document_.fail(line_, "there is more behind </opencv_storage>; remove it");
+    if (!rest_.empty()) document_.fail(line_, "there is text after </opencv_storage>; remove it");
     return root;
   }
 
@@ -42,7 +42,7 @@ class XmlReader {
                    fmt::format("{} does not end; the file seems to be cut off, so copy it again", what));
   }
 
-  /// Takes everything up to and with `end`.
+  /// Takes the text up to and including `end`.
   std::string_view takeTo(std::string_view end, std::string_view what) {
     const std::size_t at = rest_.find(end);
     if (at == std::string_view::npos) failCutOff(line_, what);
@@ -53,7 +53,7 @@ class XmlReader {
 
   void skipBlanks() { take(std::min(rest_.find_first_not_of(" \t\r\n"), rest_.size())); }
 
-  /// Comments and declarations.
+  /// Skips comments and declarations.
   void skipBetween() {
     for (skipBlanks();; skipBlanks()) {
       if (rest_.starts_with("<!--")) {
@@ -91,7 +91,7 @@ class XmlReader {
     return result;
   }
 
-  /// Children or text, and the tag at the end.
+  /// Parses children or text, and the end tag.
   void content(Named& parent, int depth) {
     for (skipBetween(); !rest_.starts_with("</"); skipBetween()) {
       if (rest_.empty())
@@ -111,7 +111,7 @@ class XmlReader {
   void addChild(Node& node, int depth) {
     const int line = line_;
     if (node.kind == Node::Kind::scalar && !node.text.empty())
-      document_.fail(line, "there is an element behind text; remove one of them");
+      document_.fail(line, "there is an element after text; remove one of them");
     Named child = element(depth + 1);
     const Node::Kind kind = child.name == "_" ? Node::Kind::list : Node::Kind::map;
     if (node.items.empty()) node.kind = kind;
@@ -126,7 +126,7 @@ class XmlReader {
     node.items.push_back(std::move(child.node));
   }
 
-  /// Text of an element: one word is a scalar, several are a list.
+  /// Parses the text of an element: one word is a scalar, several are a list.
   void words(Node& node) {
     std::vector<Node> found;
     for (skipBlanks(); !rest_.empty() && rest_.front() != '<'; skipBlanks()) {
@@ -142,7 +142,7 @@ class XmlReader {
       found.push_back(word);
     }
     if (!node.items.empty() || !node.text.empty())
-      document_.fail(line_, "there is text behind an element; remove it");
+      document_.fail(line_, "there is text after an element; remove it");
     if (found.size() == 1) {
       node.text = found.front().text;
     } else {

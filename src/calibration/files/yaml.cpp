@@ -1,5 +1,5 @@
-// The YAML that OpenCV's FileStorage and people write, and JSON: maps and lists by indentation or in brackets, comments, quotes and tags. No anchors, no
-// texts of several lines, no second document.
+// The YAML that OpenCV's FileStorage and people write, and JSON: maps and lists by indentation or in brackets,
+// comments, quotes and tags. No anchors, no multi-line texts, no second document.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -41,7 +41,7 @@ class YamlReader {
   static bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\0'; }
   void skipLine() { at_ += line().size(); }
 
-  /// Blanks, ends of lines and comments.
+  /// Skips blanks, line ends and comments.
   void skip() {
     for (; !isAtEnd(); ++at_) {
       const char c = peek();
@@ -54,7 +54,7 @@ class YamlReader {
     }
   }
 
-  /// The value at `column`, which begins a list or map by indentation, or is a scalar or in brackets.
+  /// Parses the value at `column`: a list or map by indentation, a scalar, or a value in brackets.
   Node block(int depth) {
     requireDepth(depth);
     const std::string_view tag = takeTag();
@@ -67,12 +67,11 @@ class YamlReader {
     if (depth > deepest_document) document_.fail(line_, "lists lie too deep within each other; flatten them");
   }
 
-  /// `!!opencv-matrix`, which may stand on the line above the value.
+  /// Parses a tag such as `!!opencv-matrix`, which may be on the line above the value.
   std::string_view takeTag() {
     if (peek() == '&' || peek() == '*' || peek() == '|' || peek() == '>')
-      document_.fail(
-          line_, fmt::format("\"{}\" is YAML of a kind that is not read here; write plain numbers and texts",
-                             shortened(line(), longest_quote)));
+      document_.fail(line_, fmt::format("\"{}\" is YAML that is not supported; write plain numbers and texts",
+                                        shortened(line(), longest_quote)));
     if (peek() != '!') return {};
     const std::size_t begin = at_;
     while (!isBlank(peek())) ++at_;
@@ -83,7 +82,7 @@ class YamlReader {
 
   bool isDash() const { return peek() == '-' && (at_ + 1 >= text_.size() || isBlank(text_[at_ + 1])); }
 
-  /// Whether a key and a colon stand here.
+  /// Returns whether a key and a colon begin here.
   bool startsKey() const {
     const std::string_view rest = line();
     if (rest.starts_with('{') || rest.starts_with('[')) return false;
@@ -110,7 +109,7 @@ class YamlReader {
     return list;
   }
 
-  /// Whether what follows a dash or a colon is its value: on the same line, or farther to the right below.
+  /// Returns whether the text after a dash or colon is its value: on the same line, or indented deeper below.
   bool hasValue(int line_before, std::size_t indent) const {
     return !isAtEnd() && (line_ == line_before || column() > indent);
   }
@@ -122,7 +121,7 @@ class YamlReader {
       addKey(map, key(), line_);
       const int line_of_key = line_;
       skip();
-      const bool is_list_below = column() == indent && isDash();  // which needs no indentation
+      const bool is_list_below = column() == indent && isDash();  // a list below its key needs no indentation
       map.items.push_back(hasValue(line_of_key, indent) || is_list_below
                               ? block(depth + 1)
                               : Node{Node::Kind::scalar, line_of_key});
@@ -134,7 +133,7 @@ class YamlReader {
     return map;
   }
 
-  /// A key with its colon.
+  /// Parses a key with its colon.
   std::string_view key() {
     std::string_view name;
     if (peek() == '"' || peek() == '\'') {
@@ -147,7 +146,7 @@ class YamlReader {
     }
     if (peek() != ':')
       document_.fail(line_,
-                     fmt::format("there is no colon behind {}; write one", shortened(name, longest_quote)));
+                     fmt::format("there is no colon after {}; write one", shortened(name, longest_quote)));
     ++at_;
     return name;
   }
@@ -158,7 +157,7 @@ class YamlReader {
     map.keys.push_back(name);
   }
 
-  /// A value in brackets, or a scalar.
+  /// Parses a value in brackets, or a scalar.
   Node flow(int depth) {
     requireDepth(depth);
     if (peek() == '[') return listInBrackets(depth);
@@ -210,7 +209,7 @@ class YamlReader {
     } else if (isAtEnd()) {
       failCutOff(of.line);
     } else if (peek() != end) {
-      document_.fail(line_, fmt::format("\"{}\" stands where a comma or {} must be; write one",
+      document_.fail(line_, fmt::format("\"{}\" follows without a comma or {}; write one",
                                         shortened(line(), longest_quote), end));
     }
   }
@@ -234,7 +233,7 @@ class YamlReader {
     return is_changed ? document_.keep(std::move(plain)) : as_it_is;
   }
 
-  /// Up to a comment or the end of the line; in brackets up to a comma or bracket.
+  /// Takes the text up to a comment or the end of the line; in brackets up to a comma or bracket.
   std::string_view plain(bool is_in_brackets) {
     const std::string_view rest = line();
     std::size_t end = is_in_brackets ? rest.find_first_of(",]}") : rest.size();

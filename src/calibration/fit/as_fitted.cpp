@@ -20,7 +20,8 @@ double CornerNoise::at(double x) const {
 
 namespace {
 
-/// Of two coordinates, with 95 % efficiency on normal noise; for their distance over its standard deviation in each.
+/// Scales of the losses, applied to the distance of a corner, divided by its standard deviation in each coordinate.
+/// With normal noise in two coordinates, the efficiency is 95 %.
 constexpr double huber_scale = 1.5, cauchy_scale = 2.55;
 
 Loss lossOf(const Downweighted& down) {
@@ -95,7 +96,7 @@ void applyLoss(const Loss& loss, const Result& result, const Dataset& on_board, 
     for (std::size_t v = 0; v < data.cameras[c].views.size(); ++v) {
       const View& view = on_board.cameras[c].views[v];
       const auto pose = poses.find(view.image);
-      if (pose == poses.end()) continue;  // of a fit that failed early
+      if (pose == poses.end()) continue;  // the fit failed early
       const std::vector<double> distances = distancesOf(view, result.cameras[c], pose->second);
       for (std::size_t k = 0; k < distances.size(); ++k) {
         Corner& corner = data.cameras[c].views[v].corners[k];

@@ -1,4 +1,4 @@
-// Measurements of corners whose places on the board are unknowns of the fit.
+// Measurements of corners whose positions on the board are unknowns of the fit.
 #pragma once
 
 #include "calibration/data/board_basis.hpp"
@@ -6,8 +6,8 @@
 
 namespace slom::calibration {
 
-/// One corner: where a camera sees it less where it was found [px]. `shape` is the block of unknowns that displaces it. Corner and basis must live
-/// as long.
+/// One corner: predicted pixel minus measured pixel [px]. `shape` is the block of unknowns that displaces the corner.
+/// Corner and basis must outlive this object.
 class CornerOfShape {
  public:
   CornerOfShape(const Corner& corner, const BoardBasis& basis)
@@ -27,7 +27,7 @@ class CornerOfShape {
     differentiatePixels(
         camera, left2camera, left2world, 1, [&](std::size_t) -> const vec3& { return point; }, by_camera,
         by_left2camera, &pose);
-    // Moving the board is moving the camera the other way.
+    // Moving the board is the opposite of moving the camera.
     by_shape = -pose.leftCols<3>() * *map_;
     *by_left2world = pose;
   }
@@ -39,7 +39,7 @@ class CornerOfShape {
   const Eigen::Matrix3d* map_;
 };
 
-/// As the reference camera sees it.
+/// A corner seen by the reference camera.
 struct CornerOfShapeInLeft : CornerOfShape {
   using CornerOfShape::CornerOfShape;
   vec2 operator()(const Lens& camera, const SE3& left2world, const vec3& shape) const {
@@ -51,7 +51,7 @@ struct CornerOfShapeInLeft : CornerOfShape {
   }
 };
 
-/// As another camera sees it.
+/// A corner seen by another camera.
 struct CornerOfShapeInOther : CornerOfShape {
   using CornerOfShape::CornerOfShape;
   void jacobian(const Lens& camera, const SE3& left2camera, const SE3& left2world, const vec3& shape,

@@ -7,10 +7,11 @@
 namespace slom::calibration {
 namespace {
 
-/// Beforehand, as a part of the root mean square distance of the corners from their centre: more than boards are wrong.
+/// Standard deviation before the fit, relative to the root mean square distance of the corners from their centre.
+/// Boards are more exact than this.
 constexpr double wide = 0.02;
-constexpr double least = 1e-6;  // likewise: less than boards are right
-/// Another standard deviation is not worth a further fit where it is nearer than this factor.
+constexpr double least = 1e-6;  // relative likewise; boards are less exact than this
+/// A second fit is made only if the standard deviation changes by at least this factor.
 constexpr double much = 1.2;
 
 }  // namespace

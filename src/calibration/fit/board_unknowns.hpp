@@ -10,30 +10,32 @@
 
 namespace slom::calibration {
 
-/// Each block of unknowns is a variable with a prior at 0. The prior holds the board as a whole where it is stated, in the sense of least squares: what
-/// moves, turns or scales all corners is otherwise open.
+/// The shape of the board: each block of unknowns is a variable with a prior at 0. In the sense of least squares, the
+/// prior keeps the board as a whole at its stated place and size. Without the prior, moving, turning or scaling all
+/// corners would be undetermined.
 class BoardUnknowns {
  public:
-  /// From the displacements that an earlier fit found, where there is one. Both arguments must live as long as this.
+  /// Starts from the displacements of an earlier fit, if there is one. Both arguments must outlive this object.
   BoardUnknowns(Estimator& estimator, const Dataset& data, const Settings& settings,
                 const FittedBoard* start);
   BoardUnknowns(const BoardUnknowns&) = delete;
   BoardUnknowns& operator=(const BoardUnknowns&) = delete;
 
   const BoardBasis& basis() const { return basis_; }
-  /// The variable that displaces a corner.
+  /// Returns the variable that displaces a corner.
   const VarID<vec3>& of(const Corner& corner) const {
     return blocks_[std::size_t(basis_.block(basis_.find(corner.world)))];
   }
-  /// Where it is now [m].
+  /// Returns the current position of a corner [m].
   vec3 worldOf(const Corner& corner) const;
 
-  /// Optimises; then, unless the standard deviation of a free board is given, once more with the one that the displacements show: with few images,
-  /// corners follow the noise by no more than the board is wrong.
+  /// Optimizes. If the board is free and its standard deviation is not given, optimizes once more with the standard
+  /// deviation that the displacements show. So with few images, corners follow the noise by no more than the board is
+  /// wrong.
   Summary optimize(const Options& options);
-  /// As it is fitted now, without standard deviations.
+  /// Returns the current board, without standard deviations.
   FittedBoard board() const;
-  /// Fills in those of its corners. Throws as Estimator::marginals.
+  /// Fills in the standard deviations of the corners. Throws as Estimator::marginals does.
   void addStandardDeviations(FittedBoard& board) const;
 
  private:

@@ -14,8 +14,8 @@ namespace {
 
 constexpr int most_folds = 5;
 
-/// Sum of squared distances between the corners of one image whose place in their view is odd or even, as
-/// `fitted` says not, and where the rig puts them when its pose is fitted to the others [px^2].
+/// Fits the pose of the rig in one image to the corners whose index in their view has the parity `fitted`. Returns
+/// the sum of squared distances between the other corners and their predictions [px^2].
 double predictedSquare(const Dataset& data, const std::vector<Lens>& cameras, const RigStart& rig, int image,
                        std::size_t fitted) {
   Estimator est;

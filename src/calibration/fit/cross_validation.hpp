@@ -1,5 +1,4 @@
-// How well a camera model predicts corners that it was not fitted to; comparison.hpp says how that is
-// defined.
+// How well a camera model predicts corners that it was not fitted to. See comparison.hpp for the definition.
 #pragma once
 
 #include <optional>
@@ -12,9 +11,9 @@
 
 namespace slom::calibration {
 
-/// Mean squared distance of the predicted corners, by image [px^2]. `cameras`, `rig` and `board` are those of a fit to
-/// all images: where the fits to the folds, and poses in them, start. slom::Error when a fold determines too
-/// little, WorkEnded when there is no time left for all folds.
+/// Returns the mean squared distance of the predicted corners, by image [px^2]. The fits to the folds, and the poses
+/// in them, start from `cameras`, `rig` and `board` of a fit to all images. Throws slom::Error if a fold determines
+/// too little, WorkEnded if the time does not suffice for all folds.
 std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings,
                                    const std::vector<Lens>& cameras, const RigStart& rig,
                                    const std::optional<FittedBoard>& board);

@@ -10,7 +10,7 @@ Eigen::MatrixXd whenKnown(const Eigen::MatrixXd& covariance, int first, int coun
   const auto known_columns = covariance.middleCols(first, count);
   const Eigen::MatrixXd known = covariance.block(first, first, count, count);
   Eigen::MatrixXd rest = covariance - known_columns * known.ldlt().solve(known_columns.transpose());
-  rest.middleCols(first, count).setZero();  // exactly, where rounding left a trace
+  rest.middleCols(first, count).setZero();  // exactly 0; rounding left a trace
   rest.middleRows(first, count).setZero();
   return rest;
 }

@@ -1,15 +1,15 @@
-// What a joint covariance of the IMU's parameters says about them. Order: rotation 3, acc_bias 3, gravity 1.
+// Uncertainties from a joint covariance of the IMU's parameters. Order: rotation 3, acc_bias 3, gravity 1.
 #pragma once
 
 #include "slom/calibration/result.hpp"
 
 namespace slom::calibration {
 
-/// The covariance of all if the `count` parameters from `first` on were known: theirs is 0, the others'
-/// shrink.
+/// Returns the covariance of all parameters if `count` parameters, from `first` on, were known: 0 for these, smaller
+/// for the others.
 Eigen::MatrixXd whenKnown(const Eigen::MatrixXd& covariance, int first, int count);
 
-/// Largest standard deviation of each.
+/// Returns the largest standard deviation of each parameter.
 ImuPrecision precisionOf(const Eigen::MatrixXd& covariance);
 
 }  // namespace slom::calibration

@@ -14,7 +14,7 @@
 
 namespace slom::calibration {
 
-/// Where a camera sees a corner [px], over any scalar.
+/// Computes the pixel of a corner in a camera [px], for any scalar.
 struct CornerInOther {
   auto operator()(const auto& camera, const auto& left2camera, const auto& left2world,
                   const auto& corner) const {
@@ -22,8 +22,8 @@ struct CornerInOther {
   }
 };
 
-/// Rows of the Jacobian of pixels of points [px], two for each: `point_of(i)` in the world, i < count. A
-/// block that is a nullptr is not asked for. Right perturbation of rotations, translation before rotation.
+/// Computes the Jacobian of the pixels of points [px], two rows for each: `point_of(i)` in the world, i < count.
+/// Skips blocks that are a nullptr. Rotations are perturbed on the right, and translation comes before rotation.
 template <class PointOf, class ByCamera, class ByLeft2Camera, class ByLeft2World>
 void differentiatePixels(const Lens& camera, const SE3& left2camera, const SE3& left2world, std::size_t count,
                          const PointOf& point_of, ByCamera by_camera, ByLeft2Camera by_left2camera,
@@ -49,8 +49,9 @@ void differentiatePixels(const Lens& camera, const SE3& left2camera, const SE3& 
   }
 }
 
-/// What a camera sees of the board in one image, as one measurement: differences of its corners from where
-/// they were found, over Corner::sigma [px]. The corners, which must live as long, are all of a view's or every `step`-th.
+/// The corners of the board in one image of a camera, as one measurement: differences between predicted and found
+/// pixels, divided by Corner::sigma [px]. Takes all corners of a view, or every `step`-th. The corners must outlive
+/// this object.
 class CornersOfView {
  public:
   explicit CornersOfView(const View& view, std::size_t first = 0, std::size_t step = 1)
@@ -93,7 +94,7 @@ class CornersOfView {
   std::size_t first_, step_;
 };
 
-/// Corners as the reference camera sees them. The camera may be known.
+/// Corners seen by the reference camera. The camera may be known.
 struct ViewOfLeft : CornersOfView {
   using CornersOfView::CornersOfView;
   Eigen::VectorXd operator()(const Lens& camera, const SE3& left2world) const {
@@ -107,7 +108,7 @@ struct ViewOfLeft : CornersOfView {
   }
 };
 
-/// Corners as another camera sees them. The camera and left2camera may be known.
+/// Corners seen by another camera. The camera and left2camera may be known.
 struct ViewOfOther : CornersOfView {
   using CornersOfView::CornersOfView;
   void jacobian(const Lens& camera, const SE3& left2camera, const SE3& left2world, auto& by_camera,
@@ -120,10 +121,10 @@ struct ViewOfOther : CornersOfView {
   }
 };
 
-/// Gravity in a reading, seen in the world, minus gravity; the z axis of the world is vertical [m/s^2].
+/// Returns gravity from a reading, in the world, minus gravity; the z axis of the world is vertical [m/s^2].
 vec3 gravityResidual(const SE3& left2world, const SO3& left2imu, const vec3& acc_bias, double gravity,
                      const vec3& acc);
-/// The same as a measurement.
+/// Inserts gravityResidual() as a measurement.
 void insertReading(Estimator& estimator, const VarID<SE3>& left2world, const VarID<SO3>& left2imu,
                    const VarID<vec3>& acc_bias, const VarID<mtk::Scalar<>>& gravity, const vec3& acc,
                    double sigma_acc);

@@ -23,7 +23,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Fewer numbers measured than unknown: nothing to fit.
+/// Throws if there are fewer measured numbers than unknowns.
 void requireEnoughMeasurements(const Dataset& data, const Settings& settings) {
   std::size_t measured = 0;
   for (const CameraData& camera : data.cameras) measured += 2 * camera.cornerCount();
@@ -41,7 +41,7 @@ void requireEnoughMeasurements(const Dataset& data, const Settings& settings) {
                    .remedy = "add images or corners, or choose a model with fewer parameters"});
 }
 
-/// A camera whose focal length is not known to a fifth of it, as far as anything is known.
+/// Returns whether some camera's focal length has a standard deviation above a fifth of it, or the fit failed.
 bool hasOpenFocalLength(const Result& result) {
   if (!result.success()) return true;
   return std::any_of(result.cameras.begin(), result.cameras.end(), [](const CameraResult& camera) {
@@ -50,8 +50,8 @@ bool hasOpenFocalLength(const Result& result) {
   });
 }
 
-/// Returns 1 if the boards lie level and the cameras see them from above when the world's z axis points up, -1 when it points down. Returns 0 if the
-/// boards do not lie level, or are seen from both sides.
+/// Returns 1 if the boards lie level and the cameras see them from above when the world's z axis points up, -1 when
+/// the z axis points down. Returns 0 if the boards do not lie level, or are seen from both sides.
 int upOfLevelBoards(const Dataset& data, const Result& result) {
   constexpr double level = 0.87;  // cosine of 30 degrees
   std::map<int, SE3> left2world;
@@ -70,7 +70,7 @@ int upOfLevelBoards(const Dataset& data, const Result& result) {
   return up;
 }
 
-/// Fits of single cameras, then start values of the rig from these.
+/// Fits of single cameras, and start values of the rig from these fits.
 struct ModelStart {
   std::vector<Lens> cameras;
   std::vector<double> rms_px_single;
@@ -103,7 +103,8 @@ ModelStart startModel(const Dataset& data, const PlanesByCamera& planes, const S
   return start;
 }
 
-/// Where the lens of the start values does not see a corner, that is the fault of a corner which drew them there.
+/// Optimizes from start values. Throws if the lens of the start values does not see a corner: then a wrong corner
+/// spoiled the start values.
 Summary optimizeFromStart(RigProblem& problem, const Options& options, const Dataset& data, Robust robust) {
   try {
     return problem.optimize(options);
@@ -115,13 +116,14 @@ Summary optimizeFromStart(RigProblem& problem, const Options& options, const Dat
          .fault = "no start values were found at which the lens sees all corners",
          .remedy =
              robust == Robust::none
-                 ? "look for corners that are far off, or leave out such ones by Settings::robust"
-                 : "look for images whose corners are numbered in another order than the world points, or far off"});
+                 ? "look for corners that are far off, or leave them out by Settings::robust"
+                 : "look for images whose corners are far off, or are numbered in another order than the "
+                   "world points"});
   }
 }
 
-/// From start values to the result. Boards that are all `parallel` (the sentence says so) and cameras most of whose views contradict the others rarely
-/// allow a fit: it is not tried for long.
+/// Computes a result from start values. If all boards are `parallel` (a sentence that says so), or if most views of a
+/// camera contradict the others, a fit rarely succeeds and gets few iterations.
 Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const std::string& parallel,
                      Settings settings, const Progress& progress) {
   constexpr int few_iterations = 20;
@@ -159,11 +161,11 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   return result;
 }
 
-/// Numerator and denominator of opencv8 can do the same, and then k4, k5, k6 run off together with k1, k2, k3 on the way to
-/// nowhere: then a prior keeps them near 0.
+/// Standard deviation of a prior at 0 for k4, k5, k6 of opencv8. Numerator and denominator can have the same effect.
+/// Without the prior, k4, k5, k6 may then diverge together with k1, k2, k3.
 constexpr double sigma_of_denominator = 1;
 
-/// For a model that may need its prior: first without, which says whether it does.
+/// Fits a model that may need its prior. Fits without the prior first, and with the prior only if that fit fails.
 Result calibrateWithPriorIfNeeded(const Dataset& data, const PlanesByCamera& planes,
                                   const std::string& parallel, Settings settings, const Progress& progress) {
   std::vector<SingleCameraReport> alone;
@@ -184,8 +186,9 @@ Result calibrateWithPriorIfNeeded(const Dataset& data, const PlanesByCamera& pla
   return calibrateOnce(data, planes, parallel, settings, progress);
 }
 
-/// Where the board is unknown, too, the prior is there from the beginning: numerator, denominator and board can do the same, and steps towards what
-/// is all but open are long and careful ones, of minutes each in long recordings.
+/// Returns the settings with the prior from the start if the board is unknown, too. Numerator, denominator and board
+/// can have the same effect. Steps in nearly undetermined directions are long and slow: minutes each in long
+/// recordings.
 Settings withPriorForBoard(Settings settings) {
   if (hasPrior(settings.model) && settings.board_shape != BoardShape::flat && !settings.sigma_denominator)
     settings.sigma_denominator = sigma_of_denominator;
@@ -211,7 +214,7 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
     const std::optional<FittedBoard> board = problem.board();
     trial.held_out_squares = heldOutSquares(data, settings, problem.cameras(), problem.rig(), board);
     if (!std::isfinite(trial.heldOutRms()))
-      trial.failure = "corners that it was not fitted to have no image in it";
+      trial.failure = "some corners outside the fit have no image in this model";
   } catch (const DataError& error) {
     trial.failure = error.sentence();
     trial.error = error;
@@ -254,7 +257,7 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   applyLimits(settings.limits, options);
   options.most_parameters = 0;
   options.decrease_tolerance =
-      rough_tolerance;  // from so near, what then is left is far below a standard deviation
+      rough_tolerance;  // the start is so near that the rest is far below a standard deviation
   return problem.result(problem.optimize(options));
 }
 

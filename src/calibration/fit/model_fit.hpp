@@ -1,4 +1,4 @@
-// The way from data to result for one camera model, Settings::model, without a second look at corners and views.
+// The fit of one camera model, Settings::model, from data to result, without a second look at corners and views.
 #pragma once
 
 #include "slom/calibration/calibrate.hpp"
@@ -9,7 +9,7 @@ namespace slom::calibration {
 /// Fits single cameras, finds start values of the rig from these, and fits all together.
 Result calibrateModel(const Dataset& data, const Settings& settings, const Progress& progress);
 
-/// Fits the rig alone, to images that are among those of an earlier result, from the values found there. An IMU is left out.
+/// Fits the rig, starting from an earlier result whose images include those of the data. Leaves out an IMU.
 Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings);
 
 /// Fits the model and predicts corners that it was not fitted to.

@@ -1,4 +1,4 @@
-// The full problem: intrinsics of all cameras, camera to camera, the rig's pose in each image, and the IMU.
+// The full problem: intrinsics of all cameras, poses between cameras, the rig's pose in each image, and the IMU.
 #pragma once
 
 #include <map>
@@ -18,7 +18,8 @@ namespace slom::calibration {
 
 class RigProblem {
  public:
-  /// `data` and `settings` must live as long as the problem. `imu` where data has one; `board`: of an earlier fit, where there is one.
+  /// Builds the problem. `data` and `settings` must outlive it. `imu`: set if the data have an IMU; `board`: from an
+  /// earlier fit, if there is one.
   RigProblem(const Dataset& data, const Settings& settings, const std::vector<Lens>& cameras,
              const RigStart& rig, const std::optional<ImuStart>& imu, const FittedBoard* board = nullptr);
   RigProblem(const RigProblem&) = delete;
@@ -26,11 +27,11 @@ class RigProblem {
 
   Summary optimize(const Options& options);
   Result result(const Summary& summary);
-  /// As they are fitted now.
+  /// Returns the lenses in their current state.
   std::vector<Lens> cameras() const;
   RigStart rig() const;
   std::optional<FittedBoard> board() const;
-  /// The RMS distance of all projected corners from their measured pixels [px].
+  /// Returns the RMS distance between projected and measured pixels of all corners [px].
   double rmsOfAll() const;
 
  private:
@@ -49,15 +50,16 @@ class RigProblem {
   const Settings& settings_;
   Estimator est_;
   std::vector<VarID<Lens>> cameras_;
-  std::vector<VarID<SE3>> left2camera_;  ///< the first, the identity, is in no measurement and not a variable
+  std::vector<VarID<SE3>>
+      left2camera_;  ///< the first is the identity: it is neither in a measurement nor a variable
   std::map<int, VarID<SE3>> left2world_;
   VarID<SO3> left2imu_;
   VarID<vec3> acc_bias_;
   VarID<mtk::Scalar<>> gravity_;
-  std::optional<BoardUnknowns> board_;  ///< where its shape is estimated
+  std::optional<BoardUnknowns> board_;  ///< set if the shape is estimated
 };
 
-/// The fault alone, without the library's id and without the remedy, which is for programmers.
+/// Returns the fault only. Leaves out the library's id and its remedy, which addresses programmers.
 std::string sentenceOf(const slom::Error& error);
 
 }  // namespace slom::calibration

@@ -38,7 +38,7 @@ double medianPixelError(const Lens& camera, const SE3& world2camera, const View&
 
 namespace {
 
-/// The pose of one view for a known camera, from a start; the start itself when the fit fails.
+/// Returns the pose of one view for a known camera, fitted from a start. Returns the start if the fit fails.
 SE3 fitPose(const Lens& known_camera, const SE3& world2camera, const View& view, const Settings& settings) {
   Estimator est;
   est.changeAlgorithm(LevenbergMarquardt());
@@ -51,7 +51,7 @@ SE3 fitPose(const Lens& known_camera, const SE3& world2camera, const View& view,
     options.deviation_tolerance = std::numeric_limits<double>::infinity();
     applyLimits(settings.limits, options);
     est.optimize(options);
-  } catch (const slom::Error&) {  // a corner on the camera's plane: the start is better
+  } catch (const slom::Error&) {  // a corner in the camera's plane: keep the start
     return world2camera;
   }
   const SE3 fitted = pose->inverse();
@@ -60,8 +60,8 @@ SE3 fitPose(const Lens& known_camera, const SE3& world2camera, const View& view,
              : world2camera;
 }
 
-/// A small board seen from afar looks nearly the same when it is tilted the other way: where that is not clearly worse, fits
-/// both and keeps the better.
+/// Returns the better of two poses. A small board seen from afar looks nearly the same when tilted the other way.
+/// Fits both poses unless the other one is clearly worse.
 SE3 poseResolvingAmbiguity(const Lens& camera, const PlaneView& plane, const SE3& world2camera,
                            const View& view, const Settings& settings) {
   constexpr double clearly_worse = 16;  // squared error
@@ -73,7 +73,8 @@ SE3 poseResolvingAmbiguity(const Lens& camera, const PlaneView& plane, const SE3
   return squaredPixelError(camera, other, view) < squaredPixelError(camera, one, view) ? other : one;
 }
 
-/// Intrinsics and poses together, from the values in `fit`, which keeps them when the result is not better.
+/// Fits intrinsics and poses together, starting from the values in `fit`. Keeps these values if the result is not
+/// better.
 void fitIntrinsics(const CameraData& data, FitAlone& fit, const Settings& settings) {
   Estimator est;
   est.changeAlgorithm(LevenbergMarquardt(1e-6));
@@ -89,7 +90,7 @@ void fitIntrinsics(const CameraData& data, FitAlone& fit, const Settings& settin
   }
   Options options;
   options.max_iterations = settings.max_iterations;
-  options.most_parameters = 0;  // its statistics are not looked at
+  options.most_parameters = 0;  // skips statistics, which are not used
   options.decrease_tolerance = rough_tolerance;
   options.deviation_tolerance = std::numeric_limits<double>::infinity();
   applyLimits(settings.limits, options);
@@ -101,14 +102,15 @@ void fitIntrinsics(const CameraData& data, FitAlone& fit, const Settings& settin
     world2camera[view.image] = poses.at(view.image)->inverse();
     error += squaredPixelError(*camera, world2camera[view.image], view);
   }
-  if (!std::isfinite(error)) return;  // ended with boards behind the camera
+  if (!std::isfinite(error)) return;  // boards ended up behind the camera
   fit.converged = summary.converged;
   fit.camera = *camera;
   fit.world2camera = world2camera;
   fit.rms_px = std::sqrt(error / double(data.cornerCount()));
 }
 
-/// From one camera and the views as planes that `pinhole` sees. A fit that fails leaves the start values, with better poses.
+/// Fits from one camera, with the views as planes seen by `pinhole`. A failed fit returns the start values, with
+/// better poses.
 FitAlone fitAloneFrom(const Lens& camera, const Pinhole& pinhole, const CameraData& data,
                       const std::vector<PlaneView>& planes, const Settings& settings) {
   FitAlone fit{constrained(camera, data.name, settings)};
@@ -121,7 +123,7 @@ FitAlone fitAloneFrom(const Lens& camera, const Pinhole& pinhole, const CameraDa
       2 * data.cornerCount() >= std::size_t(camera.parameters()) + 6 * data.views.size();
   try {
     if (is_determined) fitIntrinsics(data, fit, settings);
-  } catch (const slom::Error&) {  // not determined by a single camera; the others may help
+  } catch (const slom::Error&) {  // one camera does not determine it; the others may help
   }
   if (std::isfinite(fit.rms_px)) return fit;
   for (const View& view : data.views) {

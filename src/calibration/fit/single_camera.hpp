@@ -1,4 +1,4 @@
-// One camera without the others: intrinsics and the pose of each of its views.
+// A camera by itself: intrinsics and the pose of each of its views.
 #pragma once
 
 #include <string>
@@ -12,27 +12,29 @@
 
 namespace slom::calibration {
 
-/// Tolerance of fits whose results are start values of others: five digits of the RMS.
+/// Tolerance of fits whose results start other fits: five digits of the RMS.
 inline constexpr double rough_tolerance = 1e-6;
-/// How near to the solution fits end, in standard deviations: what is printed has no more digits.
+/// Largest distance from the solution at which fits end, in standard deviations. Printed values have no more digits.
 inline constexpr double enough_deviations = 1e-4;
 
 struct FitAlone {
   Lens camera;
   ViewPoses world2camera{};
-  bool converged = false;  ///< otherwise camera and poses are start values
+  bool converged = false;  ///< false: camera and poses are start values
   int iterations = 0;
   double rms_px = unknown;
   std::string start{};  ///< how the intrinsics were found, in a few words
 };
 
-/// Returns the sum of squared distances between corners and pixels [px^2]; infinity if a corner has no image, as behind the camera.
+/// Returns the sum of squared distances between corners and pixels [px^2]; infinity if a corner has no image, for
+/// example behind the camera.
 double squaredPixelError(const Lens& camera, const SE3& world2camera, const View& view);
 
-/// Returns the median of the distances between corners and pixels [px]; infinity if that corner has no image.
+/// Returns the median of the distances between corners and pixels [px]; infinity if the median corner has no image.
 double medianPixelError(const Lens& camera, const SE3& world2camera, const View& view);
 
-/// Fits one camera to its views, as planes: start values, then all together. Of several starts the one whose fit is best goes on.
+/// Fits one camera to its views as planes: start values, then all unknowns together. Keeps the best of several
+/// starts.
 FitAlone fitAlone(const CameraData& data, std::vector<PlaneView> planes, const Settings& settings);
 
 }  // namespace slom::calibration

@@ -35,7 +35,7 @@ void keepUnfitted(Result& result) {
   if (!result.success()) return;
   std::map<std::string, std::size_t> index_of;
   std::vector<double>
-      usual_px;  // of a camera's views; where most of them contradict others, that of the camera alone
+      usual_px;  // of a camera's views; at most that of the camera alone, because most views may contradict others
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
     std::vector<double> all;
     for (const ImageResult& image : result.images) {

@@ -1,4 +1,4 @@
-// Views that contradict the others: where start values put them, and what the fit makes of them.
+// Views that contradict the others by the start values, and by the fit.
 #pragma once
 
 #include <vector>
@@ -10,14 +10,17 @@
 
 namespace slom::calibration {
 
-/// Returns views most of whose corners lie more than 10 px, and ten times as far as those of most views, from where the rig puts them. In most
-/// cases these images were not taken at the same time. Single corners that are farther off are another matter.
+/// Returns views whose median corner is more than 10 px, and more than ten times the usual distance, from where the
+/// rig puts it. In most cases these images were not taken at the same time. Single corners that are farther off are
+/// handled elsewhere.
 std::vector<Stray> findStrays(const Dataset& data, const std::vector<Lens>& cameras, const RigStart& rig);
 
-/// Removes strays that the fit fits like the other views of their camera: the start values were far off there, not the images.
+/// Removes strays that the fit matches as well as the other views of their camera. For these, the start values were
+/// far off, not the images.
 void keepUnfitted(Result& result);
 
-/// Whether the strays are most views of some camera. Its image numbers are not those of the others, and no fit of all is to be expected.
+/// Returns whether the strays are most views of some camera. Then its image numbers do not belong to those of the
+/// others, and a fit of all images is unlikely.
 bool areMost(const std::vector<Stray>& strays, const Dataset& data);
 
 }  // namespace slom::calibration

@@ -14,15 +14,15 @@
 namespace slom::calibration {
 namespace {
 
-constexpr std::size_t fewest_corners_asked = 12;  // of a view that is asked
+constexpr std::size_t fewest_corners_asked = 12;  // in a view that is checked
 constexpr double least_far_off_px = 20;
-constexpr double suspicious = 5,
-                 far =
-                     30;  // over the median distance: of the least squares homography, and of the robust one
+constexpr double
+    suspicious = 5,
+    far = 30;  // times the median distance from the least squares homography, and from the robust one
 constexpr double least_median_px = 0.1;
 constexpr int samples =
-    60;  // of four corners; with a tenth of them wrong, the chance that all have one is 10^-28
-constexpr double most = 0.1;  // of the corners of a view
+    60;  // of four corners; with a tenth of the corners wrong, the chance that each sample has a wrong one is 10^-28
+constexpr double most = 0.1;  // fraction of the corners of a view
 
 std::vector<double> distances(const PlaneView& view, const Eigen::Matrix3d& H) {
   std::vector<double> all;
@@ -33,7 +33,8 @@ std::vector<double> distances(const PlaneView& view, const Eigen::Matrix3d& H) {
   return all;
 }
 
-/// The distances by that of many homographies of four corners each whose median is smallest. The samples are the same on all machines.
+/// Returns the distances from the homography whose median distance is smallest, among many of four corners each. The
+/// samples are the same on all machines.
 std::vector<double> robustDistances(const PlaneView& view) {
   std::mt19937 random(1);
   std::vector<double> best;
@@ -76,7 +77,7 @@ std::vector<GrossCorner> farOffCorners(const Dataset& data) {
         const Corner& corner = view.corners[i];
         const double noise =
             median /
-            std::sqrt(2 * std::log(2.0));  // of u and of v, where distances have a Rayleigh distribution
+            std::sqrt(2 * std::log(2.0));  // of u and of v, from distances with a Rayleigh distribution
         own.push_back({c, view.image, corner.number, corner.line, robust[i], robust[i], robust[i] / noise,
                        data.cameras[c].place(view, corner)});
       }

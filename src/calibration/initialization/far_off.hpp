@@ -1,4 +1,4 @@
-// Corners that lie so far from where the others of their image put them that a fit with them might not find its way.
+// Corners so far from where the other corners of their image put them that they might mislead a fit.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,10 @@
 
 namespace slom::calibration {
 
-/// By a homography that most corners of the view agree with (least median of squares): what lies 30 times as far off as their median, and more than 20
-/// px. A lens's distortion, which the homography does not know, stays far below. Views of fewer than 12 corners are not asked, and of one that would lose more
-/// than a tenth nothing is said: then it is the view that is wrong.
+/// Finds corners by a homography that most corners of the view agree with (least median of squares). A corner is far
+/// off if its distance is 30 times the median distance and more than 20 px. Lens distortion, which the homography
+/// ignores, stays far below. Skips views of fewer than 12 corners, and views that would lose more than a tenth of
+/// their corners: then the view itself is wrong.
 ///   source   Rousseeuw, "Least median of squares regression", Journal of the American Statistical Association 79, 1984
 std::vector<GrossCorner> farOffCorners(const Dataset& data);
 

@@ -12,7 +12,7 @@ namespace slom::calibration {
 namespace {
 
 constexpr double widest_angle =
-    80 * std::numbers::pi / 180;  // where a plane before the camera is still of a size to work with
+    80 * std::numbers::pi / 180;  // a plane before the camera still has a usable size there
 constexpr std::size_t least_corners = 4;
 
 PlaneView flattened(const PlaneView& view, const Pinhole& lens) {
@@ -35,7 +35,7 @@ PlaneView flattened(const PlaneView& view, const Pinhole& lens) {
   return flat;
 }
 
-/// How far an equidistant lens puts the corners from their pixels [px^2].
+/// Returns the sum of squared distances between pixels and predictions of an equidistant lens [px^2].
 double squaredErrorAsFisheye(const std::vector<PlaneView>& views, const Pinhole& pinhole) {
   const Fisheye<> lens = Fisheye<>::fromPinhole(pinhole);
   double sum = 0;

@@ -11,7 +11,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Similarity that moves the points to mean 0 and root mean square radius sqrt(2).
+/// Returns the similarity that moves the points to mean 0 and root mean square radius sqrt(2).
 Eigen::Matrix3d normalisation(const std::vector<vec2>& points) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const vec2& p : points) mean += p / double(points.size());
@@ -34,7 +34,7 @@ Eigen::Matrix3d findHomography(const std::vector<vec2>& board, const std::vector
   }
   const Eigen::Matrix3d from_board = normalisation(board), from_pixels = normalisation(pixels);
   Eigen::MatrixXd A(2 * std::max<std::size_t>(board.size(), 5),
-                    9);  // a zero row makes 4 pairs give 9 directions
+                    9);  // a zero row, so that 4 pairs give 9 directions
   A.setZero();
   for (std::size_t i = 0; i < board.size(); ++i) {
     const Eigen::RowVector3d p = (from_board * board[i].homogeneous()).transpose();

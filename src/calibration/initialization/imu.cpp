@@ -22,7 +22,7 @@ struct Rotation {
   double misfit;  ///< sum of squared differences [m^2/s^4]
 };
 
-/// Best rotation for gravity of a given value: Kabsch.
+/// Returns the best rotation for gravity of a given value, by Kabsch's algorithm.
 Rotation kabsch(const std::vector<TiltPair>& pairs, const vec3& bias, double gravity) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const TiltPair& pair : pairs) sum += (pair.acc - bias) * (gravity * pair.up_in_left).transpose();
@@ -36,8 +36,8 @@ Rotation kabsch(const std::vector<TiltPair>& pairs, const vec3& bias, double gra
   return result;
 }
 
-/// Derivative of the readings by (rotation 3, acc_bias 3, gravity 1) without the fixed ones, and which are
-/// left.
+/// Derivative of the readings by (rotation 3, acc_bias 3, gravity 1) without fixed parameters, and the columns of the
+/// others.
 struct Sensitivity {
   Eigen::MatrixXd J;
   int bias_at = -1, gravity_at = -1;
@@ -120,17 +120,18 @@ double tiltSpread(const std::vector<TiltPair>& pairs) {
 
 namespace {
 
-/// Root mean square angle between the readings and their mean [rad].
+/// Returns the root mean square angle between the readings and their mean [rad].
 double spreadOfReadings(const std::vector<TiltPair>& pairs) {
   std::vector<TiltPair> directions = pairs;
   for (TiltPair& pair : directions) pair.up_in_left = vec3(pair.acc.normalized());
   return tiltSpread(directions);
 }
 
-/// Readings that stay as they are while the images say that the rig turned: the board was moved instead.
+/// Throws if the readings stay the same although the images show that the rig turned: then the board was moved
+/// instead.
 void requireReadingsFollow(const ImuData& imu, const std::vector<TiltPair>& pairs) {
   constexpr double least_tilt = 0.05;  // [rad]
-  constexpr double hardly = 0.15;      // of the tilts
+  constexpr double hardly = 0.15;      // fraction of the tilts
   const double tilts = tiltSpread(pairs), readings = spreadOfReadings(pairs);
   if (pairs.size() < 3 || !(tilts > least_tilt) || !(readings < hardly * tilts)) return;
   constexpr double degrees = 180 / std::numbers::pi;
@@ -138,7 +139,7 @@ void requireReadingsFollow(const ImuData& imu, const std::vector<TiltPair>& pair
       "slom.calibration.imu-open",
       {.place = imu.place(0),
        .fault = fmt::format(
-           "the readings turn by {:.2g} deg (RMS) from image to image, while the images say that the rig turned "
+           "the readings turn by {:.2g} deg (RMS) from image to image, but by the images the rig turned "
            "by {:.2g} deg against the board",
            readings * degrees, tilts * degrees),
        .remedy = "hold the board still and level, and move the rig"});

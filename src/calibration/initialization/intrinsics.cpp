@@ -12,8 +12,8 @@
 namespace slom::calibration {
 namespace {
 
-/// Pixels shifted and scaled so that the numbers of the conic are of similar size: normalised = scale *
-/// (pixel - centre).
+/// Shifts and scales pixels so that the numbers of the conic have similar size: normalised = scale * (pixel -
+/// centre).
 struct PixelScale {
   Eigen::Vector2d centre;
   double scale;
@@ -27,7 +27,7 @@ struct PixelScale {
   }
 };
 
-/// Around the places where the homographies put the centres of their boards.
+/// Returns the scale around the pixels where the homographies put the centres of their boards.
 PixelScale pixelScale(const std::vector<Eigen::Matrix3d>& homographies,
                       const Eigen::Vector2d* centre = nullptr) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -39,18 +39,18 @@ PixelScale pixelScale(const std::vector<Eigen::Matrix3d>& homographies,
   return {mean, 1 / std::max(100.0, std::sqrt(square))};
 }
 
-/// The row of coefficients of (B11, B22, B13, B23, B33) in h_i^T B h_j, B = K^-T K^-1 without skew.
+/// Returns the row of coefficients of (B11, B22, B13, B23, B33) in h_i^T B h_j, B = K^-T K^-1 without skew.
 Eigen::Matrix<double, 1, 5> conicRow(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return {a[0] * b[0], a[1] * b[1], a[0] * b[2] + a[2] * b[0], a[1] * b[2] + a[2] * b[1], a[2] * b[2]};
 }
 
-/// Homography of normalised pixels, columns 0 and 1 of about unit length.
+/// Returns the homography to normalised pixels, with columns 0 and 1 of about unit length.
 Eigen::Matrix3d normalised(const PixelScale& scale, const Eigen::Matrix3d& H) {
   Eigen::Matrix3d N = scale.matrix() * H;
   return N / std::sqrt(N.col(0).norm() * N.col(1).norm());
 }
 
-/// Whether p is a camera that somebody may have built, for corners within `low` and `high`.
+/// Returns whether p is a realistic camera, for corners within `low` and `high`.
 bool plausible(const Pinhole& p, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   const Eigen::Vector2d size = high - low;
   const double extent = size.maxCoeff();

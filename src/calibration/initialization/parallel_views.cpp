@@ -27,8 +27,9 @@ double normalSpread(const std::vector<PlaneView>& views) {
   std::vector<Eigen::Vector3d> normals;
   for (const PlaneView& view : views) {
     const Eigen::Matrix3d H = K.inverse() * view.homography;
-    const Eigen::Vector3d line = H.inverse().transpose().col(2).normalized();  // that the board vanishes in
-    normals.push_back(line.dot(H.col(2)) * line);  // H.col(2) is a point of the board: all on one side
+    const Eigen::Vector3d line = H.inverse().transpose().col(2).normalized();  // vanishing line of the board
+    normals.push_back(line.dot(H.col(2)) *
+                      line);  // H.col(2) is a point of the board, so that all normals point to one side
     normals.back().normalize();
   }
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();

@@ -1,4 +1,4 @@
-// A view, seen as plane to image: board plane, homography and the corners in both.
+// A view as a map from plane to image: board plane, homography, and the corners in both.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@ namespace slom::calibration {
 struct PlaneView {
   BoardPlane plane;
   std::vector<vec2> board;   ///< corners in the plane [m]
-  std::vector<vec2> pixels;  ///< the same in the image [px]
+  std::vector<vec2> pixels;  ///< the same corners in the image [px]
   Eigen::Matrix3d homography;
 
   explicit PlaneView(const View& view);

@@ -12,10 +12,10 @@
 namespace slom::calibration {
 namespace {
 
-/// What one common image says about the pose from camera a to camera b.
+/// The pose from camera a to camera b according to one common image.
 struct Vote {
   SE3 a2b;
-  vec3 board;  ///< its centre in camera a
+  vec3 board;  ///< centre of the board in camera a
 };
 
 std::vector<Vote> votes(const CameraData& a, const ViewPoses& world2a, const ViewPoses& world2b) {
@@ -35,8 +35,9 @@ bool isFinite(const Vote& vote) {
   return vote.a2b.pos.allFinite() && vote.a2b.orient.coeffs().allFinite() && vote.board.allFinite();
 }
 
-/// The vote that the others agree with best: least sum of the angles by which both move the others' boards,
-/// plus the differences in rotation. One bad pose among three does no harm. Nothing where no sum is finite.
+/// Returns the vote that agrees best with the others: least sum of the angles between the board centres as both votes
+/// place them, plus the differences in rotation. One bad pose among three does no harm. Returns nothing if no sum is
+/// finite.
 std::optional<SE3> consensusOf(const std::vector<Vote>& all) {
   std::optional<SE3> best;
   double least = std::numeric_limits<double>::infinity();
@@ -83,7 +84,7 @@ std::vector<SE3> cameraPoses(const Dataset& data, const std::vector<ViewPoses>& 
   return result;
 }
 
-/// The camera that an image's pose is taken from.
+/// Returns the camera whose view gives the pose of an image.
 std::size_t bestObserver(const Dataset& data, int image) {
   if (data.cameras.front().find(image)) return 0;
   std::size_t best = 0, most = 0;

@@ -1,4 +1,4 @@
-// Start values of the rig: where the cameras sit on it, and where it was in each image.
+// Start values of the rig: the poses of the cameras on it, and its pose in each image.
 #pragma once
 
 #include <map>
@@ -16,8 +16,8 @@ struct RigStart {
   std::map<int, SE3> left2world;  ///< by image
 };
 
-/// Camera to camera by common images, along the tree that shares the most of them; the board poses from the
-/// reference camera where it saw the image, otherwise from the camera that saw the most corners.
+/// Computes camera to camera from common images, along the tree with the most common images. Takes the board pose of
+/// an image from the reference camera if it saw the board, otherwise from the camera with the most corners.
 /// `world2camera[c]` belongs to `data.cameras[c]`; checkConnected(data) must hold.
 RigStart startRig(const Dataset& data, const std::vector<ViewPoses>& world2camera);
 

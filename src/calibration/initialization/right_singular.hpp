@@ -1,5 +1,5 @@
-// The singular value decomposition of a matrix of any size, as far as the start values need it. Compiled once: its code is
-// long.
+// The singular value decomposition of a matrix of any size, without U, for the start values. Compiled once, because
+// its code is long.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +8,8 @@ namespace slom::calibration {
 
 /// A = U S V^T, without U.
 struct RightSingular {
-  Eigen::VectorXd values;   ///< falling
-  Eigen::MatrixXd vectors;  ///< V, square: the last column is where |A v| is least
+  Eigen::VectorXd values;   ///< descending
+  Eigen::MatrixXd vectors;  ///< V, square; in its last column |A v| is least
 };
 RightSingular rightSingular(const Eigen::MatrixXd& A);
 

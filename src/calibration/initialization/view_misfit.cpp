@@ -18,14 +18,14 @@ namespace slom::calibration {
 namespace {
 
 constexpr std::size_t fewest_corners = 9;
-constexpr double not_smooth = 0.1, hardly_smooth = 0.04, smooth = 0.03;  // of the extent
+constexpr double not_smooth = 0.1, hardly_smooth = 0.04, smooth = 0.03;  // fractions of the extent
 constexpr double least_px = 3;
 
 struct Pairs {
   std::vector<vec2> board, pixels;
 };
 
-/// Where a map fitted to the corners that count puts all corners.
+/// A map fitted to the corners that count. Returns the images of all corners.
 using SmoothMap = std::function<std::vector<vec2>(const Pairs&, const std::vector<bool>& counts)>;
 
 std::vector<vec2> byHomography(const Pairs& pairs, const std::vector<bool>& counts) {
@@ -64,7 +64,7 @@ std::vector<vec2> byPolynomial(const Pairs& pairs, const std::vector<bool>& coun
   return result;
 }
 
-/// The median distance from the map once a tenth of the corners, as far as they are far off, does not count.
+/// Returns the median distance from the map. Up to a tenth of the corners does not count, if they are far off.
 double medianDistance(const Pairs& pairs, const SmoothMap& map, int parameters) {
   constexpr int rounds = 4;
   const std::size_t n = pairs.board.size();
@@ -120,13 +120,13 @@ Pairs pairsOf(const View& view) {
 
 bool exceeds(const ViewMisfit& misfit, double part) { return misfit.px > least_px && misfit.part() > part; }
 
-/// The corners of all views on one grid of columns and rows; nothing where they lie on none.
+/// The grid of columns and rows that the corners of all views lie on; nothing if they lie on none.
 struct Lattice {
   int columns = 0, rows = 0;
   int count() const { return columns * rows; }
 };
 
-/// The distinct values, where they are within a thousandth of their range of each other.
+/// Returns the distinct values. Values within a thousandth of their range are the same.
 std::vector<double> distinct(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   std::vector<double> result;
@@ -152,7 +152,7 @@ std::optional<Lattice> latticeOf(const std::vector<const View*>& views) {
   return Lattice{sides[0], sides[1]};
 }
 
-/// Another place for the corner that is number `index`, from 0 on, in the order of the file.
+/// A different numbering: the position of the corner with this index, from 0 on, in the order of the file.
 struct Renumbering {
   std::string name;
   std::function<vec2(int index)> place;
@@ -162,19 +162,19 @@ std::vector<Renumbering> renumberings(const Lattice& grid) {
   const int m = grid.columns, n = grid.rows;
   const auto exchanged = [&](int length, int other) {
     return Renumbering{
-        fmt::format("numbered in rows of {} instead of {}, as where rows and columns are exchanged,", length,
-                    other),
+        fmt::format("numbered in rows of {} instead of {} (rows and columns are exchanged)", length, other),
         [=](int i) { return vec2(double(i % length), double(i / length)); }};
   };
   const auto snake = [&](int length) {
-    return Renumbering{fmt::format("numbered in rows of {} that run to and fro", length), [=](int i) {
+    return Renumbering{fmt::format("numbered in rows of {} that run back and forth", length), [=](int i) {
                          const int row = i / length, column = i % length;
                          return vec2(double(row % 2 == 0 ? column : length - 1 - column), double(row));
                        }};
   };
   const auto staggered = [&](int length) {
     return Renumbering{
-        fmt::format("as an asymmetric grid of circles, whose rows of {} are shifted by half by turns,",
+        fmt::format("as an asymmetric grid of circles with rows of {}, every other one shifted by half a "
+                    "spacing,",
                     length),
         [=](int i) { return vec2(2.0 * (i % length) + (i / length) % 2, double(i / length)); }};
   };
@@ -222,7 +222,7 @@ std::string numberingThatFits(const std::vector<const View*>& views) {
 }
 
 void requireSmoothViews(const CameraData& camera) {
-  constexpr std::size_t most_views = 12;  // that are looked at
+  constexpr std::size_t most_views = 12;  // to check
   constexpr double nearly_all = 0.8;
   std::vector<const View*> looked_at;
   std::vector<double> parts, distances;
@@ -240,20 +240,20 @@ void requireSmoothViews(const CameraData& camera) {
   const double enough = nearly_all * double(looked_at.size());
   if (looked_at.empty() || double(hardly_smooth_ones) < enough) return;
   const std::string numbering = numberingThatFits(looked_at);
-  // Very wide lenses, too, leave some images hardly smooth: another numbering that fits is the proof then.
+  // Very wide lenses, too, leave some images hardly smooth. Then another numbering that fits is the proof.
   if (numbering.empty() && double(not_smooth_ones) < enough) return;
   throw DataError(
       "slom.calibration.bad-view",
       {.place = nameOf(camera),
        .fault = fmt::format(
-           "corners and world points fit no lens and no plane in {} of {} images: most are {} px off, {:.0f} % of the "
-           "size of the board{}{}",
+           "in {} of {} images, corners and world points fit no lens and no plane: most are {} px off, "
+           "{:.0f} % of the size of the board{}{}",
            hardly_smooth_ones, looked_at.size(), twoDigits(medianOf(distances)), 100 * medianOf(parts),
            numbering.empty() ? "" : "; ", numbering),
-       .remedy =
-           numbering.empty()
-               ? "number the corners and world points in one order, and check that the board is of the stated kind and size"
-               : "correct the world points, or the size of the board"});
+       .remedy = numbering.empty()
+                     ? "number corners and world points in the same order, and check that the board has the "
+                       "stated kind and size"
+                     : "correct the world points, or the size of the board"});
 }
 
 }  // namespace slom::calibration

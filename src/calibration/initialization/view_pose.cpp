@@ -10,7 +10,7 @@ namespace slom::calibration {
 
 namespace {
 
-/// NaN where the matrix is not a rotation, as after a homography that overflows.
+/// Returns a pose of NaN if the matrix is not a rotation, for example after a homography that overflows.
 SE3 poseOf(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) {
   const double determinant = R.determinant();
   if (!(determinant > 0.5 && determinant < 2))

@@ -1,13 +1,13 @@
-// What a camera model is made of. A class template over its number type, a vector of named parameters, with
+// The parts of a camera model. A model is a class template over its number type, a vector of named parameters, with
 //   model_name, component_names       its name, the names of its parameters
-//   fromPinhole(p)                    start values, from a pinhole without distortion; or startsFromPinhole(p), several of them, where
-//                                     a fit may end in several minima: the best one goes on
-//   project(point)                    the pixel [px] of a point in the camera's frame; NaN where it has none
-//   cameraMatrix(), distortion()      the pinhole that it is near the axis, and the other parameters
-//   start_lens                        which lens its start values take it for
-//   forOpencv(), forRos(), forKalibr()  how these programs describe it, where they can
-// and where wanted
-//   differentiate(lens, point)        derivatives that are quicker than those by dual numbers below
+//   fromPinhole(p)                    start values, from a pinhole without distortion; or startsFromPinhole(p), if a
+//                                     fit may end in several minima: returns several starts, of which the best is kept
+//   project(point)                    the pixel [px] of a point in the camera's frame; NaN if it has none
+//   cameraMatrix(), distortion()      the pinhole that approximates it near the axis, and the other parameters
+//   start_lens                        the lens that its start values assume
+//   forOpencv(), forRos(), forKalibr()  its description in these programs, if they can describe it
+// and optionally
+//   differentiate(lens, point)        derivatives that are faster than those by dual numbers below
 //   held_near_zero                    parameters of the prior Settings::sigma_denominator
 //   is_compared                       false: compared only by name
 #pragma once
@@ -24,18 +24,18 @@
 
 namespace slom::calibration {
 
-/// What start values know of a camera: a pinhole with no distortion.
+/// The camera that start values assume: a pinhole without distortion.
 struct Pinhole {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // [px]
 
   Eigen::Matrix3d matrix() const { return (Eigen::Matrix3d() << fx, 0, cx, 0, fy, cy, 0, 0, 1).finished(); }
 };
 
-/// What a lens is taken for until it is fitted: straight lines stay straight, or the distance from the image centre is f times
-/// the angle to the axis.
+/// The lens assumed until the fit: straight lines stay straight, or the distance from the image centre is f times the
+/// angle to the axis.
 enum class StartLens { pinhole, equidistant };
 
-/// The first `count` numbers of distortion() beside focal lengths and centre.
+/// Returns the first `count` numbers of distortion(), with focal lengths and centre.
 template <class Camera>
 ForeignLens withPinhole(const Camera& camera, const char* distortion_model, int count) {
   const Eigen::Matrix3d K = camera.cameraMatrix();
@@ -43,7 +43,7 @@ ForeignLens withPinhole(const Camera& camera, const char* distortion_model, int 
   return {"pinhole", distortion_model, {K(0, 0), K(1, 1), K(0, 2), K(1, 2)}, {d.begin(), d.end()}};
 }
 
-/// Pixels and how they change; N: number of the lens parameters, in their order.
+/// A pixel and its derivatives; N: number of the lens parameters, in their order.
 template <int N>
 struct LensDerivatives {
   Eigen::Vector2d pixel;
@@ -51,7 +51,7 @@ struct LensDerivatives {
   Eigen::Matrix<double, 2, 3> by_point;  ///< [px/m]
 };
 
-/// Exact, by dual numbers.
+/// Computes exact derivatives by dual numbers.
 template <template <class> class Camera>
 LensDerivatives<Camera<double>::DOF> differentiate(const Camera<double>& lens, const Eigen::Vector3d& point) {
   constexpr int n = Camera<double>::DOF;
@@ -70,7 +70,7 @@ LensDerivatives<Camera<double>::DOF> differentiate(const Camera<double>& lens, c
   return d;
 }
 
-/// Derivatives of the projection, from the model's own function where it has one, whatever the order of includes.
+/// Returns derivatives of the projection, by the model's own function if it has one, whatever the order of includes.
 template <class Camera>
 auto derivativesOf(const Camera& lens, const Eigen::Vector3d& point) {
   return differentiate(lens, point);

@@ -1,4 +1,4 @@
-// Makes an entry of the list of models from a camera type (models/camera.hpp). Included by the file of each model.
+// Makes an entry of the list of models from a camera type (models/camera.hpp). The file of each model includes this.
 #pragma once
 
 #include "calibration/models/definition.hpp"
@@ -67,7 +67,7 @@ ModelDefinition defineModel() {
 
 }  // namespace slom::calibration
 
-/// Defines what the line of models/list.inc of this name refers to.
+/// Defines the entry that the line of this name in models/list.inc refers to.
 #define SLOM_CALIBRATION_DEFINE_MODEL(name, Camera)         \
   namespace slom::calibration::models {                     \
   const ModelDefinition& name() {                           \

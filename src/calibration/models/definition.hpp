@@ -1,4 +1,4 @@
-// What the calibration knows of a camera model: the entries of the list.
+// The entries of the list of models: the functions of a camera model that the calibration uses.
 #pragma once
 
 #include <memory>
@@ -18,10 +18,10 @@ struct ModelDefinition {
   std::string name;
   std::vector<std::string> parameters;
   std::vector<int> held_near_zero;  ///< parameters of the prior Settings::sigma_denominator
-  bool is_compared;                 ///< it is in comparedModels()
+  bool is_compared;                 ///< whether comparedModels() has it
 
-  StartLens start_lens;  ///< which lens its start values take it for
-  /// Start values, one in the basin of attraction of each minimum.
+  StartLens start_lens;  ///< the lens that its start values assume
+  /// Returns start values, one in the basin of attraction of each minimum.
   std::vector<Numbers> (*starts)(const Pinhole& pinhole);
 
   vec2 (*project)(const double* parameters, const vec3& point);

@@ -1,4 +1,5 @@
-// fx fy cx cy xi alpha: two unit spheres, their centres xi apart, and a pinhole shifted by alpha / (1 - alpha). Kalibr's ds.
+// fx fy cx cy xi alpha: two unit spheres, their centres xi apart, and a pinhole shifted by alpha / (1 - alpha).
+// Kalibr's ds.
 //   pixel   u = fx x / w + cx, v = fy y / w + cy
 //           w = alpha d2 + (1 - alpha) (xi d1 + z), d1 = |(x, y, z)|, d2 = |(x, y, xi d1 + z)|
 //   domain  z > -w2 d1, beyond 90 degrees off the axis for most lenses; NaN elsewhere
@@ -18,7 +19,8 @@ struct DoubleSphere : slom::detail::CentredLens<6, S> {
   static constexpr std::array<std::string_view, 6> component_names{"fx", "fy", "cx", "cy", "xi", "alpha"};
   using slom::detail::CentredLens<6, S>::CentredLens;
 
-  /// Lenses with xi < 0 and with xi > 0 bend nearly alike, and a fit that is on one side seldom finds the other.
+  /// Returns several starts. Lenses with xi < 0 and with xi > 0 bend nearly alike, and a fit that starts on one side
+  /// seldom finds the other.
   static std::array<DoubleSphere, 3> startsFromPinhole(const Pinhole& p) {
     const auto start = [&](double xi, double alpha) {
       return DoubleSphere(p.fx * (1 + xi), p.fy * (1 + xi), p.cx, p.cy, xi, alpha);
@@ -42,7 +44,7 @@ struct DoubleSphere : slom::detail::CentredLens<6, S> {
     return this->toPixels(x / w, y / w);
   }
 
-  /// The camera matrix of the pinhole that approximates it near the axis.
+  /// Returns the camera matrix of the pinhole that approximates the lens near the axis.
   Eigen::Matrix3d cameraMatrix() const {
     const double w = 1 + (*this)[4];
     return Pinhole{this->fx() / w, this->fy() / w, this->cx(), this->cy()}.matrix();

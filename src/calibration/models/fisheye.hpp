@@ -19,7 +19,7 @@ struct Fisheye : FisheyeIntrinsics<S> {
   Eigen::Matrix3d cameraMatrix() const {
     return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix();
   }
-  /// k1 k2 k3 k4
+  /// Returns k1 k2 k3 k4.
   Eigen::VectorXd distortion() const { return this->template tail<4>(); }
 
   static constexpr StartLens start_lens = StartLens::equidistant;
@@ -28,10 +28,10 @@ struct Fisheye : FisheyeIntrinsics<S> {
   std::optional<ForeignLens> forKalibr() const { return withPinhole(*this, "equidistant", 4); }
 };
 
-/// Derivatives written by hand; see docs/decisions/calibration_derivatives.md.
+/// Computes the derivatives by formulas written by hand; see docs/decisions/calibration_derivatives.md.
 inline LensDerivatives<8> differentiate(const Fisheye<>& lens, const Eigen::Vector3d& point) {
   const double x = point.x(), y = point.y(), z = point.z(), r2 = x * x + y * y, R2 = r2 + z * z;
-  const bool on_axis = z > 0 && r2 < 1e-15 * z * z;  // as FisheyeIntrinsics
+  const bool on_axis = z > 0 && r2 < 1e-15 * z * z;  // the limit of FisheyeIntrinsics
   const double r = std::sqrt(r2), angle_by_r = on_axis ? (1 - r2 / (3 * z * z)) / z : std::atan2(r, z) / r;
   const double t2 = angle_by_r * angle_by_r * r2;
   const double k1 = lens.k1(), k2 = lens.k2(), k3 = lens.k3(), k4 = lens.k4();

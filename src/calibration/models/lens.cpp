@@ -14,7 +14,8 @@
 namespace slom::calibration {
 namespace {
 
-/// Two unit vectors orthogonal to a ray and to each other, as columns; they turn with the ray, but for rays along y.
+/// Returns two unit vectors orthogonal to a ray and to each other, as columns. They turn with the ray, except near
+/// the y axis.
 Eigen::Matrix<double, 3, 2> tangents(const vec3& ray) {
   Eigen::Matrix<double, 3, 2> T;
   const bool is_along_y = std::abs(ray.y()) > 0.95;
@@ -24,7 +25,7 @@ Eigen::Matrix<double, 3, 2> tangents(const vec3& ray) {
   return T;
 }
 
-/// The scale of the image about the optical axis [px/rad].
+/// Returns the scale of the image near the optical axis [px/rad].
 double scaleOf(const Lens& lens) {
   return lens.differentiate(Eigen::Vector3d(0, 0, 1)).by_point.norm() / std::sqrt(2.0);
 }
@@ -46,7 +47,7 @@ Lens::Projection Lens::differentiate(const Eigen::Vector3d& point) const {
 std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
   constexpr double longest_leg = 0.06;  // approximate limit [rad]
   constexpr int most_steps = 8;
-  // Of rays of length 1 that the model is for: above 0 for a pinhole, near -1 for one of angles.
+  // Limit of z for rays of length 1: above 0 for a pinhole, near -1 for a model of angles.
   const double least_z = model_.definition().start_lens == StartLens::equidistant ? -0.99 : 1e-3;
   const double scale = scaleOf(*this);
   PointProjection at = differentiate(ray);
@@ -76,8 +77,8 @@ std::optional<vec3> Lens::unproject(const vec2& pixel, vec3 ray) const {
 Lens lensOf(const CameraResult& camera) {
   if (camera.model.empty()) {
     throw DataError("slom.calibration.bad-camera",
-                    fmt::format("camera {} has no model; pass one of the result of calibrate(), or set model "
-                                "and parameters",
+                    fmt::format("camera {} has no model; pass a camera of the result of calibrate(), or "
+                                "set model and parameters",
                                 camera.name),
                     camera.name);
   }
@@ -85,8 +86,8 @@ Lens lensOf(const CameraResult& camera) {
   if (camera.parameters.size() != model.parameters().size()) {
     throw DataError(
         "slom.calibration.bad-camera",
-        fmt::format("camera {} has parameters: {} instead of the {} of the model {}; set all of them, in the "
-                    "order of Model::parameters()",
+        fmt::format("the number of parameters of camera {} is {} instead of {} for the model {}; set all "
+                    "of them, in the order of Model::parameters()",
                     camera.name, camera.parameters.size(), model.parameters().size(), model.name()),
         camera.name);
   }

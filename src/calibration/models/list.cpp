@@ -43,7 +43,7 @@ void requireParameters(const Model& model, const std::vector<double>& parameters
   throw DataError(
       "slom.calibration.bad-question",
       fmt::format(
-          "there are parameters: {} instead of the {} of the model {}; pass all of them, in the order "
+          "the number of parameters is {} instead of {} for the model {}; pass all of them, in the order "
           "of Model::parameters()",
           parameters.size(), model.parameters().size(), model.name()),
       "parameters");

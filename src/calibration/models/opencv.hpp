@@ -1,4 +1,4 @@
-// OpenCV's lenses of polynomials, and radial1, which is the first of them with square pixels and k1 alone.
+// OpenCV's lenses of polynomials. radial1 is the first of them with square pixels and only k1.
 //   point   (X, Y, Z) in the camera: X right, Y down, Z forward            [m]
 //   pixel   (u, v) = (fx x' + cx, fy y' + cy), (x', y') = distorted (X/Z, Y/Z)   [px]
 //   source  OpenCV, "Camera Calibration and 3D Reconstruction"
@@ -21,7 +21,7 @@ struct Opencv5 : OpenCv5Intrinsics<S> {
   Eigen::Matrix3d cameraMatrix() const {
     return Pinhole{this->fx(), this->fy(), this->cx(), this->cy()}.matrix();
   }
-  /// As OpenCV orders it: k1 k2 p1 p2 k3
+  /// Returns k1 k2 p1 p2 k3, in OpenCV's order.
   Eigen::VectorXd distortion() const { return this->template tail<5>(); }
 
   static constexpr StartLens start_lens = StartLens::pinhole;
@@ -83,8 +83,8 @@ struct Opencv8 : slom::detail::CentredLens<12, S> {
   }
 
   static constexpr StartLens start_lens = StartLens::pinhole;
-  static constexpr std::array<int, 3> held_near_zero{9, 10,
-                                                     11};  ///< numerator and denominator can do the same
+  static constexpr std::array<int, 3> held_near_zero{
+      9, 10, 11};  ///< numerator and denominator can have the same effect
   std::optional<ForeignLens> forOpencv() const { return withPinhole(*this, "", 8); }
   std::optional<ForeignLens> forRos() const { return withPinhole(*this, "rational_polynomial", 8); }
   std::optional<ForeignLens> forKalibr() const { return {}; }
@@ -113,12 +113,12 @@ struct Radial1 : mtk::vect<4, S> {
   std::optional<ForeignLens> forKalibr() const { return withPinhole(*this, "radtan", 4); }
 };
 
-// Derivatives, written out by hand, because a fit, its covariances and what the report draws ask for little else: see
-// docs/decisions/calibration_derivatives.md.
+// Derivatives written by hand, because a fit, its covariances and the figures of the report compute little else;
+// see docs/decisions/calibration_derivatives.md.
 
 namespace detail {
 
-/// Derivatives of opencv8, or of a model that has the first N of its parameters.
+/// Computes derivatives of opencv8, or of a model with the first N of its parameters.
 template <int N>
 LensDerivatives<N> differentiateOpencv(const double* c, const Eigen::Vector3d& point) {
   const auto parameter = [&](int i) { return i < N ? c[i] : 0.0; };

@@ -26,7 +26,7 @@ namespace slom::calibration {
 
 namespace {
 
-/// Residuals of the rejected corners, of which the fit knows nothing.
+/// Computes the residuals of the rejected corners, which the fit does not use.
 void predictRejected(const Dataset& of_flat_board, Result& result) {
   const DataOnBoard on_board(of_flat_board, result.board);
   const Dataset& data = *on_board;
@@ -37,7 +37,7 @@ void predictRejected(const Dataset& of_flat_board, Result& result) {
                                     [&](const ImageResult& one) { return one.image == corner.image; });
     const auto found = std::find_if(view->corners.begin(), view->corners.end(),
                                     [&](const Corner& one) { return one.number == corner.number; });
-    if (image == result.images.end()) continue;  // of a fit that failed early
+    if (image == result.images.end()) continue;  // the fit failed early
     const vec3 in_left = image->left2world.inverse() * found->world;
     corner.error_px = corner.error_without_px =
         (camera.project(camera.left2camera * in_left) - found->pixel).norm();
@@ -47,7 +47,8 @@ void predictRejected(const Dataset& of_flat_board, Result& result) {
       [](const GrossCorner& a, const GrossCorner& b) { return a.error_without_px > b.error_without_px; });
 }
 
-/// Another fit, of the same images and from the values of the first one, which also says what only a fit from the beginning can say.
+/// Fits the same images again, starting from the first result. Copies values that only a fit from the beginning
+/// computes.
 Result fittedAgain(const Dataset& data, const Settings& settings, const Result& first) {
   Result next = data.imu ? calibrateModel(data, settings, {}) : calibrateModelFrom(first, data, settings);
   next.rejected = first.rejected;
@@ -62,7 +63,7 @@ Result fittedAgain(const Dataset& data, const Settings& settings, const Result& 
   return next;
 }
 
-/// Fits again without the worst gross corners, as long as there are some. Images that contradict each other are another matter.
+/// Fits again without the worst gross corners until none is left. Skips fits whose images contradict each other.
 Result withoutGrossCorners(const Dataset& data, const Settings& settings, Result result) {
   constexpr int most_rounds = 10;
   std::optional<Clustering> clustering(std::in_place, withoutRejected(data, result), result);
@@ -74,7 +75,7 @@ Result withoutGrossCorners(const Dataset& data, const Settings& settings, Result
     without.rejected.insert(without.rejected.end(), worst.begin(), worst.end());
     const Dataset rest = withoutRejected(data, without);
     Result next = fittedAgain(rest, settings, without);
-    if (!next.success()) break;  // the values with all corners are better than none
+    if (!next.success()) break;  // values fitted to all corners are better than none
     result = std::move(next);
     clustering.emplace(rest, result);
     clustering->addGrossCorners(result);
@@ -83,7 +84,7 @@ Result withoutGrossCorners(const Dataset& data, const Settings& settings, Result
   return result;
 }
 
-/// The largest change of a lens parameter, in its standard deviations.
+/// Returns the largest change of a lens parameter, in its standard deviations.
 double changeBetween(const Result& a, const Result& b) {
   double most = 0;
   for (std::size_t c = 0; c < a.cameras.size(); ++c) {
@@ -95,10 +96,10 @@ double changeBetween(const Result& a, const Result& b) {
   return most;
 }
 
-/// Whether something is estimated in turn with the fit.
+/// Returns whether noise or readout is estimated alternately with the fit.
 bool isRefined(const Settings& settings) { return estimatesNoise(settings) || settings.rolling_shutter; }
 
-/// Adds the steps to CameraResult::readout. Returns the largest one, in its standard deviation.
+/// Adds the steps to CameraResult::readout. Returns the largest step, in its standard deviation.
 double takeSteps(const std::vector<std::optional<ReadoutStep>>& steps, Result& result) {
   double most = 0;
   for (std::size_t c = 0; c < steps.size(); ++c) {
@@ -111,7 +112,7 @@ double takeSteps(const std::vector<std::optional<ReadoutStep>>& steps, Result& r
   return most;
 }
 
-/// `data` with Corner::sigma of the same corners of others.
+/// Returns `data` with Corner::sigma from the same corners of `others`.
 Dataset withSigmasOf(const Dataset& others, Dataset data) {
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     for (std::size_t v = 0; v < data.cameras[c].views.size(); ++v) {
@@ -123,8 +124,9 @@ Dataset withSigmasOf(const Dataset& others, Dataset data) {
   return data;
 }
 
-/// Fits, and estimates noise and readout from the residuals, in turn until the parameters stay where they are. If a fit fails, the result of the
-/// round before stands, with the noise and the readout that it was fitted with. A result that did not succeed is not fitted again.
+/// Alternates between fitting and estimating noise and readout from the residuals, until the parameters stay the
+/// same. If a fit fails, keeps the result of the round before, with the noise and readout of its fit. Does not fit
+/// again after a result that did not succeed.
 Result refined(const Dataset& data, const Settings& settings, Result result) {
   constexpr int most_rounds = 50;
   constexpr double least_change = 1e-3;  // standard deviations
@@ -133,7 +135,7 @@ Result refined(const Dataset& data, const Settings& settings, Result result) {
     if (!reasonToEnd(settings.limits).empty()) break;
     Result proposed = result;
     if (estimatesNoise(settings)) estimateNoise(withoutReadout(data, proposed), settings, proposed);
-    // With weights from residuals of this fit, not of a later readout.
+    // Weights come from residuals of this fit, not of a later readout.
     const Dataset seen = asFitted(proposed, data);
     std::vector<std::optional<ReadoutStep>> proposed_steps;
     if (settings.rolling_shutter) proposed_steps = readoutSteps(seen, proposed);
@@ -150,8 +152,8 @@ Result refined(const Dataset& data, const Settings& settings, Result result) {
   return result;
 }
 
-/// Corners left out before there was a fit that the lens, once fitted, puts where they were found, within what noise gives: they count again. A homography
-/// knows nothing of lenses of 180 degrees.
+/// Takes back corners that were left out before the fit, if the fitted lens predicts them within the noise. The
+/// homography that left them out cannot describe lenses of 180 degrees.
 Result withTakenBack(const Dataset& data, const Settings& settings, Result result) {
   constexpr double by_noise = 4.5;  // distance over RMS
   constexpr int most_rounds = 3;
@@ -169,7 +171,7 @@ Result withTakenBack(const Dataset& data, const Settings& settings, Result resul
   return result;
 }
 
-/// Progress of a fit of `rest`, which reports the cameras of `data`.
+/// Returns the progress of a fit of `rest` that reports the cameras of `data`.
 Progress ofCameras(const Dataset& data, const Dataset& rest, const Progress& progress) {
   Progress of_data = progress;
   if (progress.single_camera) {
@@ -181,7 +183,7 @@ Progress ofCameras(const Dataset& data, const Dataset& rest, const Progress& pro
   return of_data;
 }
 
-/// A fit that never sees the corners that are farthest off, then those without the other gross ones.
+/// Fits without the corners that are farthest off, then without the other gross corners.
 Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const Progress& progress) {
   Result without;
   without.rejected = farOffCorners(data);
@@ -198,7 +200,7 @@ Result withoutFarOffCorners(const Dataset& data, const Settings& settings, const
   return result;
 }
 
-/// A fit of all data, without single corners that the others contradict.
+/// Fits all data, without single corners that contradict the others.
 Result fitOfAll(const Dataset& data, const Settings& settings, const Progress& progress) {
   if (settings.robust != Robust::none) return withoutFarOffCorners(data, settings, progress);
   Result result = calibrateModel(data, settings, progress);
@@ -211,7 +213,7 @@ bool isNoStart(const DataError& error) {
   return error.id() == "slom.calibration.no-start" || error.id() == "slom.calibration.no-pose";
 }
 
-/// A second look where the fit of all data fails, or leaves corners farther off than detection explains.
+/// Fits all data. Takes a second look if the fit fails, or if corners are farther off than detection explains.
 Result fitWithSecondLook(const Dataset& data, const Settings& settings, const Progress& progress) {
   const auto quietly = [&](const Dataset& some) { return fitOfAll(some, settings, {}); };
   std::optional<Result> first;
@@ -238,7 +240,7 @@ Result fitWithSecondLook(const Dataset& data, const Settings& settings, const Pr
   return std::move(*first);
 }
 
-/// A fit that never sees views that show the board mirrored: they may fit well, or draw the fit to themselves.
+/// Fits without views that show the board mirrored. Such views may fit well, or pull the fit towards them.
 Result fitWithoutMirroredViews(const Dataset& data, const Settings& settings, const Progress& progress) {
   std::vector<Stray> mirrored;
   if (settings.robust != Robust::none) mirrored = mirroredViews(data);

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double most_parallel = 8 * std::numbers::pi / 180;  // [rad]
 
-/// The largest angle between boards and their mean that any camera sees, for a rough focal length [rad].
+/// Returns the largest angle between boards and their mean in any camera, for a rough focal length [rad].
 double tiltsOfViews(const Dataset& data) {
   double largest = 0;
   for (const CameraData& camera : data.cameras) largest = std::max(largest, normalSpread(planeViews(camera)));
@@ -38,7 +38,7 @@ bool hasOpenFocalLengths(const Result& result) {
 }
 
 void lookForBetterModel(const Dataset& data, const Settings& settings, Result& result) {
-  constexpr double obvious = 0.5;  // RMS over that of the model
+  constexpr double obvious = 0.5;  // RMS with the other model over RMS with this one
   const double rms = result.success() ? rmsOfAll(result) : unknown;
   for (const char* name : {"opencv5", "fisheye"}) {
     if (settings.model == Model(name) || !settings.lens.empty() || !reasonToEnd(settings.limits).empty())
@@ -53,19 +53,20 @@ void lookForBetterModel(const Dataset& data, const Settings& settings, Result& r
   }
 }
 
-/// What each image says by itself.
+/// Returns a clause with the usual causes that each image by itself excludes.
 std::string excludedCauses(const Dataset& data, double tilts) {
   std::vector<double> distances;
   for (const CameraData& camera : data.cameras) {
     for (const View& view : camera.views) distances.push_back(misfitOf(view).px);
   }
   return fmt::format(
-      "none of the usual causes shows: the corners of each image by itself are smooth, to {} px, and boards are tilted by up to {:.0f} degrees from their mean; "
-      "look at the worst images, and try a model with fewer parameters",
+      "no usual cause is found: the corners of each image are consistent to {} px, and boards are tilted "
+      "by up to {:.0f} degrees from their mean; look at the worst images, and try a model with fewer "
+      "parameters",
       twoDigits(medianOf(distances)), tilts * 180 / std::numbers::pi);
 }
 
-/// The corner that contradicts the others most, and how many more do.
+/// Returns a clause with the corner that contradicts the others most, and the number of further ones.
 std::string grossCause(const Result& result) {
   const GrossCorner& worst = *std::max_element(
       result.gross.begin(), result.gross.end(),
@@ -77,7 +78,8 @@ std::string grossCause(const Result& result) {
                      more == 0 ? "" : fmt::format(", and {} more corners are far off", more));
 }
 
-/// The data with the corners of one camera counted from another end of the board: turned in its plane, by quarters, about its centre.
+/// Returns the data with the corners of one camera counted from another end of the board: turned by quarters in its
+/// plane, about its centre. Returns nothing if the turned board looks different.
 std::optional<Dataset> turned(const Dataset& data, std::size_t c, int quarters) {
   const SE3 board2world = outlineOf(fullestView(data)).board2world;
   const SE3 turn =
@@ -111,7 +113,7 @@ std::optional<Dataset> turned(const Dataset& data, std::size_t c, int quarters) 
   for (View& view : result.cameras[c].views) {
     for (Corner& corner : view.corners) {
       corner.world = turn * corner.world;
-      if (!isKnown(corner.world)) return {};  // the board does not look the same then
+      if (!isKnown(corner.world)) return {};  // the turned board looks different
     }
   }
   return result;
@@ -120,7 +122,7 @@ std::optional<Dataset> turned(const Dataset& data, std::size_t c, int quarters) 
 }  // namespace
 
 void nameCauses(const Dataset& data, const Settings& settings, Result& result) {
-  constexpr int few_iterations = 50;  // a limit below says nothing about the data
+  constexpr int few_iterations = 50;  // a lower limit of iterations says nothing about the data
   if (!result.success() && result.undetermined.empty() && settings.max_iterations < few_iterations) return;
   const double tilts = tiltsOfViews(data);
   const bool is_open = !result.success() || hasOpenFocalLengths(result);
@@ -158,7 +160,7 @@ void nameOtherEnd(const Dataset& data, const Fit& fit, Result& result) {
       for (Stray& stray : result.strays) {
         if (isOwn(stray))
           stray.why = fmt::format(
-              "its corners are counted from another end of the board: turned by {} degrees, they fit to {} px",
+              "corners are counted from another end of the board: turned by {} degrees, they fit to {} px",
               90 * quarters, twoDigits(found->cameras[c].rms_px));
       }
       return;

@@ -5,7 +5,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Compares the models. The chosen one goes into the settings if it is to be chosen.
+/// Compares the models. Sets the chosen model in the settings if the choice is open.
 Comparison chooseModel(const Dataset& data, Settings& settings, const std::vector<Model>& models,
                        bool is_open, const ChoiceProgress& progress) {
   Comparison comparison = compareModels(data, settings, models);
@@ -14,9 +14,9 @@ Comparison chooseModel(const Dataset& data, Settings& settings, const std::vecto
   return comparison;
 }
 
-/// The models that are compared again on a board that is not flat: what such a board makes of residuals can look like a lens.
-/// A model with a prior is among them only if it was chosen. With an unknown board it takes long, and what it adds is hardly
-/// determined.
+/// Returns the models to compare again on a board that is not flat, because the residuals of such a board can look
+/// like a lens. Keeps a model with a prior only if it was chosen: with an unknown board its fit takes long, and its
+/// additional parameters are hardly determined.
 std::vector<Model> modelsForBoard(const Settings& settings, std::vector<Model> models) {
   std::erase_if(models, [&](const Model& model) {
     return !model.heldNearZero().empty() && !(model == settings.model);

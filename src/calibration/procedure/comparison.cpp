@@ -17,15 +17,16 @@
 namespace slom::calibration {
 namespace {
 
-/// Behind the best by more standard errors than this: clearly worse. One would be too few, as the images of a
-/// fold share one fitted lens: in one of five simulations it chose a parameter that is 0 in truth.
+/// A model behind the best by more standard errors than this is clearly worse. One would be too few, because the
+/// images of a fold share one fitted lens: in one of five simulations it chose a parameter that is 0 in truth.
 constexpr double clearly_worse_errors = 2;
 
 double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
 
-/// Mean logarithm of the ratio of two models' squares over its standard error; 0 for the same model.
+/// Returns the mean logarithm of the ratio of two models' squares, divided by its standard error; 0 for the same
+/// model.
 double standardErrors(const std::vector<double>& worse, const std::vector<double>& best) {
   std::vector<double> ratios(worse.size());
   for (std::size_t i = 0; i < worse.size(); ++i) ratios[i] = std::log(worse[i] / best[i]);
@@ -36,7 +37,7 @@ double standardErrors(const std::vector<double>& worse, const std::vector<double
   return average == 0 ? 0 : average / error;
 }
 
-/// Notes in the comparison when there is no time left to try this one to the end.
+/// Tries one model. If the time ends before the trial does, notes the reason in the comparison.
 ModelTrial tryOne(const Dataset& data, const Settings& settings, Comparison& comparison) {
   ModelTrial trial{settings.model, settings.board_shape};
   std::string reason;
@@ -49,7 +50,7 @@ ModelTrial tryOne(const Dataset& data, const Settings& settings, Comparison& com
   }
   if (reason.empty()) return trial;
   comparison.cut_short = reason;
-  trial.failure = "not tried to the end, " + reason;
+  trial.failure = "not tried to the end: " + reason;
   trial.error.reset();
   return trial;
 }
@@ -62,7 +63,7 @@ const ModelTrial& Comparison::chosenTrial() const {
   if (chosen && *chosen < trials.size()) return trials[*chosen];
   throw DataError(
       "slom.calibration.no-result",
-      "no model is chosen, because none of those tried fits; ask Comparison::chosen first, and see "
+      "no model is chosen, because none of the tried models fits; check Comparison::chosen first, and see "
       "ModelTrial::failure",
       "chosen");
 }

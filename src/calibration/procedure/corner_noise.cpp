@@ -34,16 +34,16 @@ const char* toString(SigmaBy by) {
 
 namespace {
 
-constexpr std::size_t fewest_views = 4;  // that a growth is estimated from
+constexpr std::size_t fewest_views = 4;  // to estimate a growth from
 
 /// The residuals of one view.
 struct ViewResiduals {
-  double x = 0;        // what the noise may grow with
+  double x = 0;        // quantity that the noise may grow with
   double squares = 0;  // over Corner::sigma, with the weights of a loss [px^2]
-  double dof = 0;      // numbers measured, less what the pose takes
+  double dof = 0;      // numbers measured, less those that the pose absorbs
 };
 
-/// What is left of the numbers of each view beside its pose, which all cameras that see the image share.
+/// Returns the residuals of each view. All cameras that see an image share the degrees of freedom of its pose.
 std::vector<std::vector<ViewResiduals>> residualsOf(const Dataset& on_board, const Result& result) {
   const std::map<int, SE3> poses = posesOf(result);
   std::map<int, int> seen_by;
@@ -65,13 +65,14 @@ std::vector<std::vector<ViewResiduals>> residualsOf(const Dataset& on_board, con
   return all;
 }
 
-/// Variance of a view over that of one with x = 0, as in CornerNoise.
+/// Returns the variance of a view over that of a view with x = 0, as in CornerNoise.
 double growthOf(const ViewResiduals& view, double typical, double growth) {
   const double ratio = std::isfinite(view.x) ? view.x / typical : 1;
   return 1 + growth * ratio * ratio;
 }
 
-/// Minus twice the logarithm of the restricted likelihood of a growth, but for a constant, with the best common sigma; its square goes to `common`.
+/// Returns minus twice the logarithm of the restricted likelihood of a growth, up to a constant, with the best common
+/// sigma. Writes the square of that sigma to `common`.
 double unlikelihood(const std::vector<ViewResiduals>& views, double typical, double growth,
                     double* common = nullptr) {
   double squares = 0, dof = 0, logarithms = 0;
@@ -93,7 +94,8 @@ double medianOfKnown(const std::vector<ViewResiduals>& views) {
   return known.size() < fewest_views ? 0 : medianOf(known);
 }
 
-/// The most likely growth from 0 to 1e6, by a table of its logarithm and then between the neighbours of the best.
+/// Returns the most likely growth from 0 to 1e6. Searches a table of its logarithm, then between the neighbours of
+/// the best entry.
 double bestGrowth(const std::vector<ViewResiduals>& views, double typical) {
   constexpr double lowest = -4, highest = 6, step = 0.5;  // powers of ten
   const auto of = [&](double power) { return unlikelihood(views, typical, std::pow(10, power)); };
@@ -111,7 +113,7 @@ double bestGrowth(const std::vector<ViewResiduals>& views, double typical) {
   return of(power) < unlikelihood(views, typical, 0) ? std::pow(10, power) : 0;
 }
 
-/// The noise that residuals of views show.
+/// Estimates the noise from the residuals of views.
 CornerNoise noiseFrom(SigmaBy by, const std::vector<ViewResiduals>& views) {
   CornerNoise noise{by};
   const double typical = medianOfKnown(views);
@@ -138,7 +140,7 @@ void setQuantity(SigmaBy by, const Dataset& on_board, const Result& result, std:
   for (std::size_t i = 0; i < x.size(); ++i) views[i].x = x[i];
 }
 
-/// What u and v of most corners show.
+/// Returns the standard deviation of u and v that most corners show.
 double noisePx(const Result& result, const Dataset& on_board, const Dataset& data) {
   const std::map<int, SE3> poses = posesOf(result);
   std::vector<double> sizes;
@@ -161,7 +163,7 @@ bool estimatesNoise(const Settings& settings) {
 
 void estimateNoise(const Dataset& data, const Settings& settings, Result& result) {
   for (CameraResult& camera : result.cameras) camera.noise = {};
-  // A loss lets gross corners count little in what the noise grows with, too.
+  // The weights of a loss also keep gross corners from dominating the growth of the noise.
   const DataOnBoard before(data, result.board);
   const Dataset weighted = withNoiseOf(result, data);
   result.downweighted.reset();
@@ -185,7 +187,8 @@ void estimateNoise(const Dataset& data, const Settings& settings, Result& result
 
 namespace {
 
-/// By how much likelier, in its logarithm, views are where the noise grows as `others` say than where it is constant as they say.
+/// Returns the gain in log-likelihood of `views` if the noise grows as in `others`, over noise that is constant as in
+/// `others`.
 double gainOf(const std::vector<ViewResiduals>& views, const std::vector<ViewResiduals>& others) {
   const double typical = medianOfKnown(others);
   if (!(typical > 0)) return 0;
@@ -202,7 +205,7 @@ double gainOf(const std::vector<ViewResiduals>& views, const std::vector<ViewRes
   return gain;
 }
 
-/// Adds the gains of blocks of successive views, each by what the other views say.
+/// Adds the gains of blocks of successive views, each predicted from the other views.
 void addGains(const std::vector<ViewResiduals>& views, std::vector<double>& gains) {
   constexpr std::size_t most_blocks = 12;
   const std::size_t blocks = std::min(most_blocks, views.size());

@@ -1,4 +1,4 @@
-// Standard deviations of corners beside each other: Settings::sigma_by, and the losses of Settings::robust.
+// Standard deviations of corners relative to each other: Settings::sigma_by, and the losses of Settings::robust.
 #pragma once
 
 #include "slom/calibration/dataset.hpp"
@@ -7,10 +7,11 @@
 
 namespace slom::calibration {
 
-/// Whether standard deviations of corners depend on the fit.
+/// Returns whether standard deviations of corners depend on the fit.
 bool estimatesNoise(const Settings& settings);
 
-/// Estimates CameraResult::noise and Result::downweighted from the residuals of a result that succeeded. `data` is sorted.
+/// Estimates CameraResult::noise and Result::downweighted from the residuals of a result that succeeded. `data` must
+/// be sorted.
 void estimateNoise(const Dataset& data, const Settings& settings, Result& result);
 
 }  // namespace slom::calibration

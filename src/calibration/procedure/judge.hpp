@@ -1,12 +1,12 @@
-// Which of several models predicts best.
+// The choice of the model that predicts best.
 #pragma once
 
 #include "slom/calibration/comparison.hpp"
 
 namespace slom::calibration {
 
-/// From the trials: best, standard errors and choice. The logarithm of the ratio of a model's squares to the best one's is averaged over the images,
-/// and its standard error follows from how much it varies between them.
+/// Sets best model, standard errors and choice from the trials. Averages the logarithm of the ratio of a model's
+/// squares to the best one's over the images. The standard error follows from the variation between images.
 void judge(Comparison& comparison);
 
 }  // namespace slom::calibration

@@ -16,9 +16,9 @@ namespace slom::calibration {
 namespace {
 
 constexpr const char* mirrored_why =
-    "it shows the board mirrored: u and v are exchanged, or its corners are numbered from a mirrored corner";
+    "the board is mirrored, because u and v are exchanged or corners are numbered from a mirrored corner";
 
-/// The views of a camera that are mirrored beyond doubt.
+/// Returns the views of a camera that are certainly mirrored.
 std::vector<Stray> mirroredViewsOf(const CameraData& camera, const BoardPlane& plane) {
   constexpr std::size_t fewest = 3;
   std::vector<const View*> right, left;
@@ -44,8 +44,9 @@ std::vector<Stray> mirroredViewsOf(const CameraData& camera, const BoardPlane& p
 
 Handedness handednessOf(const View& view, const BoardPlane& plane) {
   constexpr std::size_t fewest_corners = 6;
-  constexpr double most_off_plane = 0.05;  // of the size of the board
-  constexpr double least_width = 0.1;  // of the board in the image, over its length: tilts below 84 degrees
+  constexpr double most_off_plane = 0.05;  // relative to the size of the board
+  constexpr double least_width =
+      0.1;  // of the board in the image, relative to its length; holds for tilts below 84 degrees
   constexpr double least_over_misfit = 2;  // width over the RMS distance from the affine map
   const auto n = Eigen::Index(view.corners.size());
   if (view.corners.size() < fewest_corners) return Handedness::unclear;

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t most_blocks_of_readout = 12;
 
-/// One camera's step, with the covariance of the shared parameters.
+/// Returns one camera's step, given the covariance of the shared parameters.
 std::optional<ReadoutStep> stepOf(const Dataset& on_board, const Result& result, const FittedRig& rig,
                                   const std::map<int, Observation>& observations,
                                   const Eigen::MatrixXd& covariance, std::size_t c) {

@@ -25,10 +25,11 @@ namespace {
 
 constexpr double usual_ratios[] = {0.5, 2, 0.25, 4, 0.75, 4. / 3, 2. / 3, 1.5, 1. / 3, 3, 0.8, 1.25};
 constexpr double fits_like_others = 1.15;  // RMS over the usual one, which is known to a tenth
-constexpr double fits_hardly = 1.4;        // likewise, before the lens of a part of the images
+constexpr double fits_hardly = 1.4;        // likewise, with a lens fitted to a part of the images
 constexpr double least_gain = 30;          // of chi-square
 
-/// The RMS distance of the corners from their pixels for the best pose of the view, from a start [px]: Gauss-Newton with step control.
+/// Returns the RMS distance of the corners from their pixels for the best pose of the view, from a start [px]. Uses
+/// Gauss-Newton with step control.
 double rmsOfBestPose(const Lens& lens, const View& view, double pixel_scale, SE3 world2camera, Look look) {
   const int steps = look == Look::quick ? 12 : 40;
   const double tolerance = look == Look::quick ? 1e-3 : 1e-9;
@@ -147,7 +148,7 @@ bool maybeOfAnotherSize(const Dataset& data, const Settings& settings, const Res
           if (isHeldOut(view.image) && scaleOf(without, c, view, 1, Look::quick)) return true;
         }
       }
-    } catch (const slom::Error&) {  // too few are left
+    } catch (const slom::Error&) {  // too few images are left
       continue;
     }
   }
@@ -163,7 +164,7 @@ void scaleView(Dataset& data, std::size_t c, int image, double factor) {
   }
 }
 
-/// RSS of a fit from the beginning; infinite where it fails.
+/// Returns the RSS of a fit from the beginning; infinity if it fails.
 double rssOf(const Dataset& data, const Settings& settings) {
   try {
     const Result result = calibrateModel(data, settings, {});
@@ -176,8 +177,8 @@ double rssOf(const Dataset& data, const Settings& settings) {
 }  // namespace
 
 std::vector<Stray> viewsToScale(Dataset data, Settings settings, double rss, std::size_t most_views) {
-  constexpr double worth_it = 0.7;                              // RSS over that before
-  constexpr std::size_t most_images = 20, most_corners = 4000;  // as each is tried in each round
+  constexpr double worth_it = 0.7;                              // RSS after scaling over RSS before
+  constexpr std::size_t most_images = 20, most_corners = 4000;  // because each is tried in each round
   constexpr int enough_iterations = 30;
   std::vector<Stray> found;
   data.imu.reset();

@@ -1,4 +1,4 @@
-// Views of images of another size than the others of their camera, as scaled photographs are.
+// Views of images of another size than the others of their camera, such as scaled photographs.
 #pragma once
 
 #include <functional>
@@ -9,43 +9,44 @@
 
 namespace slom::calibration {
 
-/// The place of a camera in a result.
+/// Returns the index of the camera in a result.
 std::size_t indexOf(const Result& result, const std::string& camera);
 
-/// The median RMS of a camera's images [px].
+/// Returns the median RMS of a camera's images [px].
 double usualRms(const Result& result, std::size_t c);
 
-/// From how many starts a pose is looked for, and how exactly.
+/// The effort of the search for a pose: number of starts, and tolerance.
 enum class Look { careful, quick };
 
-/// The RMS distance of the corners from their pixels, for the best pose of the view before the lens of a result [px of the view]. `pixel_scale`: what brings
-/// the view's pixels to the size of the others'.
+/// Returns the RMS distance of the corners from their pixels, for the best pose of the view with the lens of a result
+/// [px of the view]. `pixel_scale` scales the view's pixels to the image size of the other views.
 double rmsOfBestPose(const Result& result, std::size_t c, const View& view, double pixel_scale,
                      Look look = Look::careful);
 
-/// The size of a view's image over that of the others, at which its corners fit.
+/// The size of a view's image, relative to the others, at which its corners fit.
 struct ImageScale {
   double size = 1, rms_px = 0;
 };
-/// Nothing where the view fits as well at the size of the others. `result`: a fit without the view. `preferred`: a size that is taken if it fits nearly as well as
-/// the best one, as images are mostly scaled alike.
+/// Returns nothing if the view fits as well at the size of the others. `result`: a fit without the view. `preferred`:
+/// a size to take if it fits nearly as well as the best one, because images are mostly scaled alike.
 std::optional<ImageScale> scaleOf(const Result& result, std::size_t c, const View& view, double preferred,
                                   Look look = Look::careful);
 
-/// Whether some view fits at another size before the lens that fifths of the images without it give: a few fits, where comparing every view with all others
-/// takes as many as there are views.
+/// Returns whether some view fits at another size, with lenses fitted without a fifth of the images each. Needs a few
+/// fits, whereas comparing every view with all others needs as many fits as there are views.
 bool maybeOfAnotherSize(const Dataset& data, const Settings& settings, const Result& result);
 
-/// By how much chi-square falls, of the noise that then is left, if views are brought to the size of the others. `with_all`: the fit of the data as they are.
+/// Returns the decrease of chi-square if these views are scaled to the size of the others, in units of the noise
+/// after scaling. `with_all`: the fit of the data without scaling.
 double gainOfScaling(Dataset data, const Settings& settings, const Result& with_all,
                      const std::vector<Stray>& views);
 
-/// Views without whose scaling no fit is good, found by trial: whichever scaling of one view by 2 or 1/2 brings the fit of all down most, again and again. For fits so bad
-/// that no lens of theirs says anything.
+/// Finds views by trial, for fits so bad that their lens says nothing. Scales the view, by 2 or 1/2, that improves
+/// the fit of all views most, and repeats this.
 std::vector<Stray> viewsToScale(Dataset data, Settings settings, double rss, std::size_t most_views);
 
-/// Views of images of another size, found one by one: each is compared with a fit of the others, as a fit that has it follows it. `result`: the fit of all `data`.
-/// `is_enough`: whether data can do without those left out.
+/// Finds views of images of another size one by one. Compares each with a fit of the others, because a fit with the
+/// view follows it. `result`: the fit of all `data`. `is_enough`: whether data suffice without the views left out.
 std::vector<Stray> viewsOfAnotherSize(Dataset data, const Settings& settings, const Result& result,
                                       const std::function<bool(const Dataset&)>& is_enough);
 

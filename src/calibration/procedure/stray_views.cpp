@@ -23,7 +23,7 @@
 namespace slom::calibration {
 namespace {
 
-constexpr double least_bad_px = 1, bad_sigmas = 4;  // RMS beyond which another look is worth it
+constexpr double least_bad_px = 1, bad_sigmas = 4;  // RMS beyond which the procedure takes another look
 constexpr double much_worse_view = 3.5;             // RMS of a view over the median of its camera
 constexpr double much_better = 0.5;                 // RMS of all without the strays over that with them
 
@@ -36,7 +36,7 @@ struct ViewRms {
   double over_median;
 };
 
-/// The views of all cameras, the worst first.
+/// Returns the views of all cameras, the worst first.
 std::vector<ViewRms> viewsByRms(const Result& result) {
   std::vector<ViewRms> views;
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
@@ -61,7 +61,7 @@ std::size_t countViews(const Dataset& data) {
   return count;
 }
 
-/// Whether enough views of each camera are left, connected as before.
+/// Returns whether enough views of each camera are left, connected as before.
 bool suffices(const Dataset& rest, const Dataset& all) {
   for (std::size_t c = 0; c < rest.cameras.size(); ++c) {
     const std::size_t left = rest.cameras[c].views.size();
@@ -70,7 +70,8 @@ bool suffices(const Dataset& rest, const Dataset& all) {
   return isStillConnected(rest);
 }
 
-/// Views whose corners disagree among themselves: far off any smooth map, and much farther than those of other views of their camera.
+/// Returns views whose corners are inconsistent: far off any smooth map, and much farther than in other views of
+/// their camera.
 std::vector<Stray> viewsThatDisagree(const Dataset& data, const Settings& settings) {
   constexpr double least_part = 0.005, over_median = 4;
   std::vector<Stray> found;
@@ -92,7 +93,7 @@ std::vector<Stray> viewsThatDisagree(const Dataset& data, const Settings& settin
                        .error_px = misfits[i].px,
                        .photo = camera.views[i].photo,
                        .is_left_out = true,
-                       .why = fmt::format("its corners disagree by {} px, those of other images by {} px",
+                       .why = fmt::format("corners disagree by {} px, in other images by {} px",
                                           twoDigits(misfits[i].px), twoDigits(usual_px))});
     }
   }
@@ -102,12 +103,12 @@ std::vector<Stray> viewsThatDisagree(const Dataset& data, const Settings& settin
 std::optional<Result> fitted(const Fit& fit, const Dataset& data) {
   try {
     return fit(data);
-  } catch (const slom::Error&) {  // no start values without them either
+  } catch (const slom::Error&) {  // the rest has no start values either
     return {};
   }
 }
 
-/// Those of the views that no pose fits, with the cause where it is known.
+/// Returns the views that no pose fits, with the cause if it is known.
 std::vector<Stray> judged(const std::vector<Stray>& views, const Dataset& data, const Result& result) {
   std::vector<Stray> strays;
   for (Stray stray : views) {
@@ -121,7 +122,7 @@ std::vector<Stray> judged(const std::vector<Stray>& views, const Dataset& data, 
     stray.photo = view.photo;
     if (scale) {
       stray.size = scale->size;
-      stray.why = fmt::format("as an image of {:.3g} times the size of the others it fits to {} px",
+      stray.why = fmt::format("at {:.3g} times the size of the other images, corners fit to {} px",
                               scale->size, twoDigits(scale->rms_px));
     }
     strays.push_back(std::move(stray));
@@ -135,7 +136,8 @@ std::vector<Stray> sortedByImage(std::vector<Stray> strays) {
   return strays;
 }
 
-/// The strays and the further views of images of another size, which a fit that has them in it follows. The fit without all of them, if there are more.
+/// Extends the strays by further views of images of another size, which a fit with them follows. If there are any,
+/// replaces `without` by a fit without all of them.
 void addScaledViews(const Dataset& data, const Settings& settings, const Fit& fit, Result& without,
                     std::vector<Stray>& strays) {
   const bool has_scaled =
@@ -152,7 +154,7 @@ void addScaledViews(const Dataset& data, const Settings& settings, const Fit& fi
   strays = judged(all, data, without);
 }
 
-/// Whether the fit without them is that much better.
+/// Returns whether the fit without the views is much better.
 bool isBetter(const Result& without, const Result* bad, const Settings& settings) {
   if (!without.success() || !without.strays.empty()) return false;
   if (!bad || !bad->success() || !bad->strays.empty()) return rmsOfAll(without) < explainedPx(settings);
@@ -164,10 +166,10 @@ struct WithoutWorst {
   std::vector<Stray> gone;
 };
 
-/// Leaves out the worst view again and again, until the fit is not bad any more and the next one changes little.
+/// Leaves out the worst view repeatedly, until the fit is good and the next view changes little.
 std::optional<WithoutWorst> withoutWorst(const Dataset& data, const Settings& settings, const Result& bad) {
   constexpr std::size_t most_tried = 12;
-  constexpr double little = 0.8;    // RMS over that with one view more
+  constexpr double little = 0.8;    // RMS over the RMS with one view more
   constexpr double suspicious = 2;  // RMS of the view over the median of its camera
   WithoutWorst current{bad, {}};
   std::optional<WithoutWorst> good;
@@ -195,7 +197,7 @@ std::optional<WithoutWorst> withoutWorst(const Dataset& data, const Settings& se
 
 std::optional<Result> withoutScaledViews(const Dataset& data, const Settings& settings, const Result& good,
                                          const Fit& fit) {
-  constexpr double least_gain = 50;  // of chi-square, with as many unknowns
+  constexpr double least_gain = 50;  // of chi-square, with the same number of unknowns
   Dataset used = withoutRejected(data, good);
   used.imu.reset();
   if (!maybeOfAnotherSize(used, settings, good)) return {};
@@ -243,7 +245,8 @@ std::optional<Result> withoutStrayViews(const Dataset& data, const Settings& set
     without = fitted(fit, rest);
     if (without && !isBetter(*without, bad, settings)) without.reset();
   }
-  // Of a rig, views that contradict other cameras may have another image's number; where single gross corners count, an image may be bad by one of them.
+  // In a rig, views that contradict other cameras may have a wrong image number. If gross corners are not rejected, a
+  // single one may spoil an image.
   const bool may_leave_out_worst = bad && !bad->images.empty() && settings.robust == Robust::reject &&
                                    (bad->strays.empty() || data.cameras.size() == 1);
   if (!without && may_leave_out_worst) {

@@ -191,14 +191,14 @@ TEST(ClusteredCalibration, SaysWhatLimitsIt) {
   EXPECT_EQ(
       sentencesOf(clustered),
       (std::vector<std::string>{
-          "There are only 8 images: clustered standard deviations are estimated from as few numbers, and say little beyond "
-          "their degrees of freedom. Projection uncertainty and verdict stay with the stated ones; from 10 images on they "
-          "take the clustered ones."}));
+          "There are only 8 images: the clustered standard deviations are estimated from as few numbers, "
+          "and are as uncertain as their degrees of freedom say. Projection uncertainty and verdict use "
+          "the stated ones; from 10 images on, they use the clustered ones."}));
   clustered.images = 15;
   EXPECT_EQ(sentencesOf(clustered),
             (std::vector<std::string>{
-                "There are only 15 images, too few to see whether images that follow each other share "
-                "errors; 16 are needed."}));
+                "There are only 15 images, too few to see whether successive images share errors; 16 are "
+                "needed."}));
   clustered.images = 16;
   EXPECT_TRUE(sentencesOf(clustered).empty());
   clustered.levels_off = false;
@@ -207,18 +207,18 @@ TEST(ClusteredCalibration, SaysWhatLimitsIt) {
   EXPECT_EQ(
       sentencesOf(clustered),
       (std::vector<std::string>{
-          "The variances still grow with blocks of 2 successive images, of which there are 8: errors are "
-          "shared for longer, and the clustered standard deviations are too small."}));
+          "The variances still grow with blocks of 2 successive images (8 blocks): errors are shared over "
+          "longer series, and the clustered standard deviations are too small."}));
   clustered.images = 100;
   clustered.block_length = 8;
   clustered.blocks = 12;
   clustered.extrapolation = 4.13;
-  EXPECT_EQ(
-      sentencesOf(clustered),
-      (std::vector<std::string>{
-          "The variances still grow with blocks of 8 successive images, of which there are 12: errors are "
-          "shared for longer, as by a drift or a model that is too simple. By how much follows from that "
-          "growth: the clustered standard deviations are 4.1 times those of these blocks, and rough."}));
+  EXPECT_EQ(sentencesOf(clustered),
+            (std::vector<std::string>{
+                "The variances still grow with blocks of 8 successive images (12 blocks): errors are shared "
+                "over longer series, for example by a drift or a model that is too simple. The growth is "
+                "extrapolated: the clustered standard deviations are 4.1 times those of these blocks, and "
+                "rough."}));
 }
 
 TEST(ClusteredCalibration, IsNeitherThereNorWrongOfAFitThatFailed) {

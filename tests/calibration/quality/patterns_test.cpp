@@ -285,20 +285,23 @@ TEST(Patterns2, HaveSentences) {
   };
   EXPECT_EQ(
       sentence(Kind::board_shape, 0.00083, 0.123, 0.0002),
-      "in the images of right, corners of the board are elsewhere than stated, the same in all images: by at least 0.83 mm off its plane and 0.20 mm within it "
-      "(RMS), 12 % of the squared residuals; have them estimated (--board-shape free), or lay the board on something flat, and measure what was printed");
+      "in all images of right, the same corners of the board are displaced from their stated positions, "
+      "by at least 0.83 mm off the plane and 0.20 mm within it (RMS), which explains 12 % of the squared "
+      "residuals; estimate the corners (--board-shape free), or lay the board on something flat and "
+      "measure the print");
   EXPECT_EQ(
       sentence(Kind::drift, -1.234, 0.02),
-      "the lens of right changes over the images: fx by -1.2 from the first to the last, 2.0 % of the squared residuals; look for a focus that was moved, a "
-      "camera that warmed up, or a lens model that is too simple for images that change, too");
-  EXPECT_EQ(
-      sentence(Kind::time_offset, -0.01, 0.3),
-      "residuals of right follow the motion, as if it were 0.010 of the interval between image numbers earlier than left, 30 % of the squared "
-      "residuals: check the time stamps, or hold the cameras still while they take images");
+      "the lens of right changes over the images: fx by -1.2 from the first to the last, which explains "
+      "2.0 % of the squared residuals; check whether the focus moved, the camera warmed up, or the lens "
+      "model is too simple for images that change over time");
+  EXPECT_EQ(sentence(Kind::time_offset, -0.01, 0.3),
+            "residuals of right follow the motion, as if it were 0.010 of the interval between image numbers "
+            "earlier than left, which explains 30 % of the squared residuals; check the time stamps, or hold "
+            "the cameras still while they take images");
   EXPECT_EQ(
       sentence(Kind::slant, 1.61),
-      "residuals of right are 1.6 times as large in the most slanted quarter of its images as in the most frontal one: corners are found less well "
-      "there than the stated sigma says");
+      "residuals of right are 1.6 times as large in the most slanted quarter of its images as in the most "
+      "frontal one: corners are less exact there than the stated sigma");
   EXPECT_EQ(
       slom::testing::messageOf([&] { sentenceOf(ResidualPattern{.camera = 2}, result); }),
       "[slom.calibration.bad-question] there is no camera 2; pass one of the patterns of this result's quality");

@@ -77,7 +77,7 @@ TEST(PixelUncertainty, SaysWhatCannotBeAsked) {
             refused + "image 1000 of " + other.cameras[1].name + " is not in the result" + remedy);
   other.cameras.pop_back();
   EXPECT_EQ(slom::testing::messageOf([&] { PixelUncertainty(other, r.result); }),
-            refused + "there are cameras: 1 in the data, 2 in the result" + remedy);
+            refused + "the number of cameras is 1 in the data and 2 in the result" + remedy);
   Result open = r.result;
   open.undetermined = "left.k1 is open";
   EXPECT_EQ(slom::testing::messageOf([&] { PixelUncertainty(r.data, open); }),

@@ -63,7 +63,7 @@ TEST(Verdict, OfAGoodCalibration) {
 TEST(Verdict, NamesABadImage) {
   Result result = goodResult();
   result.images[6].chi2 = 900;
-  expectDoubts(result, {"image 7 should be looked at: its residuals are 3.0 times the usual ones"});
+  expectDoubts(result, {"the residuals of image 7 are 3.0 times the usual ones; check the image"});
 }
 
 TEST(Verdict, NamesABadCorner) {
@@ -81,8 +81,9 @@ TEST(Verdict, NamesAStray) {
 TEST(Verdict, ComparesHalvesWithNoise) {
   Result result = goodResult();
   result.quality->split_half.cameras[0] = {{}, 1.3, 4, 0.3, 80, 9, 1e-12};
-  expectDoubts(result,
-               {"two halves of the images of left disagree by 1.3 px where noise alone gives 0.30 px"});
+  expectDoubts(
+      result,
+      {"two halves of the images of left disagree by 1.3 px, more than the 0.30 px from noise alone"});
   result.quality->split_half.cameras[0].rms_px = 0.4;  // significant, and of no importance
   EXPECT_EQ(verdictOf(result).level, Verdict::Level::trustworthy);
 }
@@ -92,17 +93,16 @@ TEST(Verdict, HalvesThatCannotBeComparedAreADoubt) {
     Result result = goodResult();
     SplitHalfCamera& camera = result.quality->split_half.cameras[0];
     (number == 0 ? camera.rms_px : number == 1 ? camera.expected_rms_px : camera.probability) = unknown;
-    expectDoubts(
-        result, {"two halves of the images of left cannot be compared, as one of them gives no usable lens"});
+    expectDoubts(result, {"two halves of the images of left cannot be compared, because one of them gives no "
+                          "usable lens"});
   }
 }
 
 TEST(Verdict, ComparesResidualsWithTheStatedNoise) {
   Result result = goodResult();
   result.rss = 9000;
-  expectDoubts(result, {"the residuals are 3.0 times what the stated sigmas allow, so all uncertainties here "
-                        "are too small by about "
-                        "that factor"});
+  expectDoubts(result, {"the residuals are 3.0 times as large as the stated sigmas predict, so all "
+                        "uncertainties here are too small by about that factor"});
 }
 
 TEST(Verdict, SeesAnImageThatIsNotCovered) {
@@ -110,11 +110,11 @@ TEST(Verdict, SeesAnImageThatIsNotCovered) {
   result.quality->cameras[0].projection[0].std_px = {0.2, unknown, 1.1, 1.1};
   expectDoubts(
       result,
-      {"the lens model of left has no ray for 25 % of its image: it folds over there, outside of the corners"});
+      {"the lens model of left has no ray for 25 % of its image: it folds over there, outside the corners"});
   result = goodResult();
   result.quality->cameras[0].projection[0].worst_px = 12;
   EXPECT_EQ(verdictOf(result).doubts,
-            std::vector<std::string>{"corners do not reach far enough in the image of left, so that its "
+            std::vector<std::string>{"corners do not reach far enough into the image of left, so its "
                                      "projection is uncertain by up to 12 px"});
 }
 

@@ -14,14 +14,14 @@ constexpr const char* board_syntax =
     "write 9x6 (inner corners of a chessboard), charuco:8x5:4x4_50 (squares, dictionary), aprilgrid:6x6 "
     "(tags), or the YAML file of a Kalibr target";
 
-/// `9x6`
+/// Parses `9x6`.
 bool parseSize(std::string_view text, int& columns, int& rows) {
   const auto x = text.find('x');
   return x != std::string_view::npos && parseNumber(text.substr(0, x), columns) &&
          parseNumber(text.substr(x + 1), rows);
 }
 
-/// Kind, size and dictionary; no lengths yet.
+/// Parses kind, size and dictionary. Sets no lengths.
 Board parseName(const std::string& text) {
   Board board;
   std::string rest = text;
@@ -31,7 +31,7 @@ Board parseName(const std::string& text) {
     const auto colon = rest.find(':');
     if (colon == std::string::npos) {
       throw UserError(fmt::format(
-          "--board {0}: say which dictionary its markers are from, as in --board {0}:4x4_50", text));
+          "--board {0}: the dictionary of the markers is missing; give it, as in --board {0}:4x4_50", text));
     }
     board.dictionary = rest.substr(colon + 1);
     rest.erase(colon);
@@ -57,14 +57,14 @@ void requireSize(const Board& board, const std::string& text) {
                               least));
 }
 
-/// What an option must lie between.
+/// Limits of an option.
 struct Range {
   double least, most;
   const char* unit;
 };
 constexpr Range lengths{least_square_m, most_square_m, " m"}, spacings{least_spacing, most_spacing, ""};
 
-/// A length or ratio that the board has or has not.
+/// Checks a length or ratio that the board needs or does not have.
 void requireLength(const char* option, double value, const Range& range, bool is_wanted,
                    const std::string& board, const char* example) {
   if (value != 0 && !(value > 0 && std::isfinite(value))) {
@@ -73,10 +73,11 @@ void requireLength(const char* option, double value, const Range& range, bool is
   if (is_wanted && value == 0)
     throw UserError(fmt::format("--board {} needs {}, as in {} {}", board, option, option, example));
   if (!is_wanted && value != 0)
-    throw UserError(fmt::format("{} {}: --board {} has no such length; leave it out", option, value, board));
+    throw UserError(
+        fmt::format("{} {}: --board {} has no such length; drop this option", option, value, board));
   if (value != 0 && (value < range.least || value > range.most)) {
-    throw UserError(fmt::format("{} {}: boards that can be printed have {:g} to {:g}{}; give such a value",
-                                option, value, range.least, range.most, range.unit));
+    throw UserError(fmt::format("{} {}: out of range for a printed board; give {:g} to {:g}{}", option, value,
+                                range.least, range.most, range.unit));
   }
 }
 
@@ -84,7 +85,8 @@ double acrossOf(const Board& board) {
   return (board.corner(board.cornerCount() - 1) - board.corner(0)).norm();
 }
 
-/// Checks the lengths that the options give, and sets those of the board. A chessboard's square may be left out where it is not needed.
+/// Checks the lengths that the options give, and sets those of the board. A chessboard's square may be left out if it
+/// is not needed.
 void requireLengths(Board& board, const BoardOptions& options, bool square_is_needed) {
   requireLength("--square", options.square_m, lengths, square_is_needed || options.square_m != 0,
                 options.board, "0.025 [m]");
@@ -102,18 +104,18 @@ void requireLengths(Board& board, const BoardOptions& options, bool square_is_ne
   board.spacing = options.spacing;
 }
 
-/// No name of a board has a dot or a slash.
+/// Returns whether the text names a file. No name of a board has a dot or a slash.
 bool isTargetFile(const std::string& text) { return text.find_first_of("./") != std::string::npos; }
 
-/// A Kalibr target; it has all lengths.
+/// Reads a Kalibr target, which has all lengths.
 Board boardOfTarget(const BoardOptions& options) {
   const KalibrTarget target = readKalibrTarget(options.board);
   for (const auto& [option, value] : {std::pair("--square", options.square_m),
                                       {"--marker", options.marker_m},
                                       {"--spacing", options.spacing}}) {
     if (value != 0)
-      throw UserError(fmt::format("{} {}: {} has the lengths of the board; leave the option out", option,
-                                  value, options.board));
+      throw UserError(fmt::format("{} {}: {} already states the lengths of the board; drop this option",
+                                  option, value, options.board));
   }
   Board board;
   board.columns = target.columns, board.rows = target.rows;
@@ -151,10 +153,10 @@ Board parseBoard(const BoardOptions& options) {
   if (isTargetFile(options.board)) {
     const Board board = boardOfTarget(options);
     if (board.kind != BoardKind::circles) return board;
-    throw UserError(fmt::format(
-        "--board {}: circles are not looked for in photographs; give corner files by --camera, or photographs of a chessboard, "
-        "ChArUco board or AprilGrid",
-        options.board));
+    throw UserError(
+        fmt::format("--board {}: circles cannot be found in photographs; give corner files by --camera, or "
+                    "photographs of a chessboard, ChArUco board or AprilGrid",
+                    options.board));
   }
   Board board = parseName(options.board);
   requireSize(board, options.board);

@@ -12,7 +12,8 @@
 namespace slom::app::calib {
 namespace {
 
-/// What `ask` says of a photograph; what the answer to none is where it cannot be read or searched.
+/// Returns the answer of `ask` for a photograph. If the photograph cannot be read or searched, returns the answer for
+/// none.
 template <class Answer>
 Answer asked(const std::string& file, Answer (*ask)(const Board&, const Photograph&), const Board& board) {
   std::string reason;
@@ -21,7 +22,7 @@ Answer asked(const std::string& file, Answer (*ask)(const Board&, const Photogra
     return photo ? ask(board, *photo) : Answer();
   } catch (const UserError&) {
     throw;
-  } catch (const std::exception&) {  // thrown by OpenCV: an image that it cannot search shows no board
+  } catch (const std::exception&) {  // thrown by OpenCV for an image that it cannot search: no board
     return {};
   }
 }
@@ -39,12 +40,12 @@ ChessboardSize sizeOf(const Board& board) {
 
 bool isNone(const ChessboardSize& size) { return size.longer == 0; }
 
-/// Larger along one side at least, and smaller along none.
+/// Returns whether `a` is larger along at least one side, and smaller along none.
 bool isLarger(const ChessboardSize& a, const ChessboardSize& b) {
   return a.longer >= b.longer && a.shorter >= b.shorter && a != b;
 }
 
-/// A chessboard of that size, its longer side as that of `like`.
+/// Returns a chessboard of that size. Its longer side has the direction of that of `like`.
 Board chessboardOf(const ChessboardSize& size, Board like) {
   const bool is_wide = like.columns >= like.rows;
   like.columns = is_wide ? size.longer : size.shorter;
@@ -65,13 +66,15 @@ std::vector<std::string> someOf(const std::vector<std::string>& photos) {
 void requireSizeLikely(const Board& board, const std::vector<std::string>& photos) {
   if (board.kind != BoardKind::chessboard) return;
   const ChessboardSize stated = sizeOf(board);
-  std::vector<std::pair<ChessboardSize, std::string>> seen;  // another size, and where it was seen
+  std::vector<std::pair<ChessboardSize, std::string>>
+      seen;  // a different size, and the photograph that shows it
   for (const std::string& photo : someOf(photos)) {
     const ChessboardSize size = largest(photo);
     if (size == stated) return;
     if (!isNone(size) && (isLarger(size, stated) || !shows(board, photo))) seen.emplace_back(size, photo);
   }
-  // A part of a board may be seen as a smaller one: the largest that is seen twice, or in the only photograph that shows one.
+  // A part of a board may look like a smaller board. So takes the largest board seen twice, or in the only photograph
+  // that shows one.
   std::optional<std::pair<ChessboardSize, std::string>> best;
   for (const auto& [size, photo] : seen) {
     const auto count = std::count_if(seen.begin(), seen.end(),
@@ -82,7 +85,7 @@ void requireSizeLikely(const Board& board, const std::vector<std::string>& photo
   if (!best) return;
   const std::string found = toString(chessboardOf(best->first, board));
   throw UserError(fmt::format(
-      "{}: it shows a chessboard of {} inner corners, not {}; count them where four squares meet, and give "
+      "{}: shows a chessboard of {} inner corners, not {}; count them where four squares meet, and give "
       "--board {}",
       best->second, found, toString(board), found));
 }
@@ -104,9 +107,8 @@ void requireWholeBoard(const Board& board, const std::vector<std::string>& photo
   }
   const std::string larger = toString(chessboardOf(seen, board));
   throw UserError(
-      fmt::format("{}: its board has {} inner corners, more than {}, so that it is open which of them "
-                  "are meant; give "
-                  "--board {}",
+      fmt::format("{}: the board has {} inner corners, more than {}, so it is unknown which of them are "
+                  "meant; give --board {}",
                   photos.front(), larger, toString(board), larger));
 }
 

@@ -1,4 +1,4 @@
-// A chessboard whose size was given wrongly: what size it has.
+// The true size of a chessboard whose stated size is wrong.
 #pragma once
 
 #include <string>
@@ -8,18 +8,18 @@
 
 namespace slom::app::calib {
 
-/// Eight photographs at most, evenly over all of them, for a quick look.
+/// Returns at most eight photographs, evenly from all of them, for a quick look.
 std::vector<std::string> someOf(const std::vector<std::string>& photos);
 
-/// A quick look before the search in all photographs, which takes long where there is nothing: UserError when
-/// the first ones show no chessboard of this size, but all of them one of another size.
+/// Takes a quick look before the search in all photographs, which takes long if there is nothing to find. Throws
+/// UserError if the first photographs show no chessboard of this size, but all show one of another size.
 void requireSizeLikely(const Board& board, const std::vector<std::string>& photos);
 
-/// What to do where the board was found in no photograph.
+/// Returns what to do if no photograph shows the board.
 std::string adviceOnSize(const Board& board);
 
-/// For photographs in which the board was found: UserError when it is a part of a larger one, of which the
-/// detector may take another part in each photograph.
+/// Checks photographs in which the board was found. Throws UserError if the board is a part of a larger one, of which
+/// the detector may find a different part in each photograph.
 void requireWholeBoard(const Board& board, const std::vector<std::string>& photos);
 
 }  // namespace slom::app::calib

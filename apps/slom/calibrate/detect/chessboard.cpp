@@ -14,7 +14,7 @@ struct Grid {
   const vec2& at(int column, int row) const { return corners[std::size_t(row) * columns + column]; }
 };
 
-/// Twice the area that the grid covers, positive where x and y of the board run as u and v do.
+/// Returns twice the area of the grid, positive if x and y of the board run as u and v do.
 double area(const Grid& grid) {
   double sum = 0;
   for (int row = 0; row + 1 < grid.rows; ++row) {
@@ -33,7 +33,7 @@ double brightness(const Photograph& photo, const Eigen::Vector2d& pixel) {
   return photo.grey[std::size_t(v) * photo.size.width + u];
 }
 
-/// How much darker the first inner square, and all of its colour, are than the others.
+/// Returns how much darker the first inner square, and all of its colour, are than the others.
 double darknessOfFirst(const Grid& grid, const Photograph& photo) {
   double sum = 0;
   for (int row = 0; row + 1 < grid.rows; ++row) {
@@ -47,13 +47,13 @@ double darknessOfFirst(const Grid& grid, const Photograph& photo) {
   return sum;
 }
 
-/// The grid seen from its other end.
+/// Returns the grid seen from its other end.
 Grid halfTurned(Grid grid) {
   std::reverse(grid.corners.begin(), grid.corners.end());
   return grid;
 }
 
-/// A square grid that begins at the end of the first row.
+/// Returns a square grid that begins at the end of the first row.
 Grid quarterTurned(const Grid& grid) {
   Grid turned = grid;
   for (int row = 0; row < grid.rows; ++row) {

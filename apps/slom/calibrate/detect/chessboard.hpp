@@ -8,8 +8,8 @@
 
 namespace slom::app::calib {
 
-/// Corners of a chessboard as a detector lists them, row by row from any end: the same in the order that
-/// detector.hpp promises.
+/// Sorts the corners of a chessboard into the order that detector.hpp promises. The detector lists them row by row
+/// from any end.
 std::vector<vec2> inBoardOrder(const Board& board, std::vector<vec2> corners, const Photograph& photo);
 
 }  // namespace slom::app::calib

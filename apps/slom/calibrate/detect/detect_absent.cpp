@@ -1,4 +1,4 @@
-// In place of detector_loaded.cpp and photograph_stb.cpp where OpenCV or stb was not found.
+// Replaces detector_loaded.cpp and photograph_stb.cpp if OpenCV or stb was not found.
 #include "calibrate/detect/detector.hpp"
 #include "calibrate/detect/photo_patch.hpp"
 #include "error.hpp"

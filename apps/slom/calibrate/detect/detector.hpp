@@ -1,4 +1,4 @@
-// Finds a board in a photograph.
+// The search for a board in a photograph.
 #pragma once
 
 #include <string>
@@ -10,21 +10,22 @@
 namespace slom::app::calib {
 
 struct FoundCorner {
-  int index = 0;  ///< on the board, as Board::corner counts
+  int index = 0;  ///< on the board, counted as in Board::corner
   vec2 pixel;     ///< the centre of the first pixel is (0, 0)
 };
 
-/// The corners by rising index; none where there is no board. A chessboard is found as a whole; of other
-/// boards all visible corners are found, if they suffice for a pose. Corners of a chessboard begin at the end that
-/// its colours say; where these leave that open (Board::symmetry) at the end that lies nearest to the upper
+/// Returns the corners by ascending index; none if there is no board. A chessboard is found as a whole. Of other
+/// boards, all visible corners are found if they suffice for a pose. Corners of a chessboard begin at the end that
+/// its colours determine. If the colours leave it open (Board::symmetry), they begin at the end nearest to the upper
 /// left of the photograph.
 std::vector<FoundCorner> findBoard(const Board& board, const Photograph& photo);
 
-/// Whether a chessboard of this size is seen at once; findBoard looks harder, and takes ten times as long
-/// where there is none.
+/// Returns whether a quick search sees a chessboard of this size. findBoard searches more thoroughly, and takes ten
+/// times as long if there is none.
 bool showsChessboard(const Board& board, const Photograph& photo);
 
-/// The numbers of inner corners along the sides of the largest chessboard that is seen at once, the longer side first; 0, 0: there is none.
+/// Numbers of inner corners along the sides of the largest chessboard that a quick search sees, the longer side
+/// first; 0, 0: none.
 struct ChessboardSize {
   int longer = 0, shorter = 0;
   bool operator==(const ChessboardSize&) const = default;
@@ -36,10 +37,10 @@ struct SeenMarker {
   int id = 0;
   vec2 centre;
 };
-/// All markers of a dictionary in a photograph.
+/// Returns all markers of a dictionary in a photograph.
 std::vector<SeenMarker> seenMarkers(const std::string& dictionary, const Photograph& photo);
 
-/// Whether findBoard can find such boards at all; UserError, which says what to install, where it cannot.
+/// Throws UserError, which says what to install, if findBoard cannot find such boards at all.
 void requireDetector(const Board& board);
 
 }  // namespace slom::app::calib

@@ -17,9 +17,8 @@ void* loaded() {
   const std::filesystem::path file = detectorFile(program);
   if (!std::filesystem::exists(file, ignored)) {
     throw UserError(
-        fmt::format("--images: there is no {}, which finds boards; install slom as a whole, or give the "
-                    "corners by --camera "
-                    "NAME=FILE",
+        fmt::format("--images: {}, which finds boards, is missing; install slom as a whole, or give the "
+                    "corners by --camera NAME=FILE",
                     file.string()));
   }
   requireTrusted(file, program);
@@ -32,11 +31,14 @@ void* loaded() {
 const DetectorModule& module() {
   static const auto* const found =
       static_cast<const DetectorModule*>(::dlsym(loaded(), "slom_detector_module"));
-  if (!found) throw UserError("--images: libslom_detect.so is of another slom; install slom as a whole");
+  if (!found)
+    throw UserError(
+        "--images: libslom_detect.so belongs to another slom; install slom as a "
+        "whole");
   return *found;
 }
 
-/// The folder ends with the one of installed programs; the whole of it, where that is absolute.
+/// Returns whether the folder ends with the folder of installed programs, or equals that folder if it is absolute.
 bool isInstalled(const std::filesystem::path& folder) {
   const std::filesystem::path installed = SLOM_COMMAND_FOLDER;
   if (installed.is_absolute()) return folder == installed;
@@ -55,30 +57,27 @@ void requireTrusted(const std::filesystem::path& library, const std::filesystem:
   if (::stat(library.c_str(), &of_library) != 0 || ::stat(program.c_str(), &of_program) != 0) return;
   const bool has_owner = of_library.st_uid == 0 || of_library.st_uid == of_program.st_uid;
   if (has_owner && (of_library.st_mode & S_IWOTH) == 0) return;
-  throw UserError(
-      fmt::format("--images: {} {}, so it is not loaded; install slom as a whole, or give the corners by "
-                  "--camera NAME=FILE",
-                  library.string(),
-                  has_owner ? "may be written by everybody"
-                            : "belongs neither to the owner of this program nor to root"));
+  throw UserError(fmt::format(
+      "--images: {} {}, so it is not loaded; install slom as a whole, or give the corners by "
+      "--camera NAME=FILE",
+      library.string(),
+      has_owner ? "is writable by everybody" : "belongs neither to the owner of this program nor to root"));
 }
 
 std::filesystem::path detectorFile(const std::filesystem::path& program) {
   constexpr const char* name = "libslom_detect.so";
   if (!program.is_absolute()) {
     throw UserError(
-        "--images: the system does not say where this program is installed, and so not where "
-        "libslom_detect.so is, which finds "
-        "boards; mount /proc, or give the corners by --camera NAME=FILE");
+        "--images: the system does not say where this program is installed, so libslom_detect.so, which "
+        "finds boards, cannot be located; mount /proc, or give the corners by --camera NAME=FILE");
   }
   const std::filesystem::path built = SLOM_BUILT_DETECTOR_FOLDER, tree = SLOM_BUILD_TREE;
   const auto [end, unused] = std::mismatch(tree.begin(), tree.end(), program.begin(), program.end());
   if (end == tree.end()) return built / name;
   if (!isInstalled(program.parent_path())) {
     throw UserError(fmt::format(
-        "--images: this program is not in a folder {}, where installation puts it, so that "
-        "libslom_detect.so, which finds boards, has no place; install slom as a whole, or give the corners "
-        "by --camera NAME=FILE",
+        "--images: this program is not in its installation folder {}, so libslom_detect.so, which finds "
+        "boards, cannot be located; install slom as a whole, or give the corners by --camera NAME=FILE",
         SLOM_COMMAND_FOLDER));
   }
   return (program.parent_path() / SLOM_LIBRARIES_FROM_COMMAND / name).lexically_normal();

@@ -20,13 +20,13 @@ cv::Mat matrixOf(const Photograph& photo) {
   return {photo.size.height, photo.size.width, CV_8UC1, const_cast<std::uint8_t*>(photo.grey.data())};
 }
 
-/// Longest sides of the images that a board is looked for in [px]; corners are refined in the whole one. At 1600 px
-/// findChessboardCorners takes 2.3 s on average where something looks like a board, at 800 px 0.08 s, and every board that it
-/// then misses is found by findChessboardCornersSB: of 72 boards before other photographs, small, blurred and noisy ones
-/// among them, both ways find the same 69.
+/// Longest sides of the images in which boards are searched [px]; corners are refined in the whole image. If
+/// something looks like a board, findChessboardCorners takes 2.3 s on average at 1600 px, and 0.08 s at 800 px.
+/// findChessboardCornersSB finds every board that it then misses. Of 72 boards before other photographs, including
+/// small, blurred and noisy ones, both ways find the same 69.
 constexpr int side_at_first = 800, longest_side = 1600;
 
-/// Distance from each corner to the nearest of its neighbours on the board [px].
+/// Returns the distance from each corner to the nearest of its neighbours on the board [px].
 std::vector<double> nearest(const Points& corners, const cv::Size& size) {
   std::vector<double> distances(corners.size(), std::numeric_limits<double>::infinity());
   const auto measure = [&](int i, int j) {
@@ -43,10 +43,10 @@ std::vector<double> nearest(const Points& corners, const cv::Size& size) {
   return distances;
 }
 
-/// Each corner within a window of half a square, large enough to average noise and too small for other edges
-/// of a tilted board. On the sample images of OpenCV this calibrates to 0.18 px; one small window for all to
-/// 0.20 px, windows that reach 0.35 of the way to the next corner to 0.23 px with outliers of 3.5 px,
-/// findChessboardCornersSB alone to 0.26 px.
+/// Refines each corner within a window of half a square: large enough to average noise, too small for other edges of
+/// a tilted board. On the sample images of OpenCV this calibrates to 0.18 px. One small window for all gives 0.20 px.
+/// Windows that reach 0.35 of the way to the next corner give 0.23 px, with outliers of 3.5 px.
+/// findChessboardCornersSB alone gives 0.26 px.
 void refine(const cv::Mat& image, const cv::Size& size, Points& corners) {
   const std::vector<double> distances = nearest(corners, size);
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -58,7 +58,7 @@ void refine(const cv::Mat& image, const cv::Size& size, Points& corners) {
   }
 }
 
-/// The image with no side longer than that; `scale`: its size by that of the whole one.
+/// Returns the image with no side longer than `longest`. `scale`: its size, divided by that of the whole image.
 cv::Mat reduced(const cv::Mat& image, int longest, double& scale) {
   scale = std::min(1.0, double(longest) / std::max(image.cols, image.rows));
   if (scale == 1) return image;
@@ -67,11 +67,11 @@ cv::Mat reduced(const cv::Mat& image, int longest, double& scale) {
   return small;
 }
 
-/// Corners row by row from any end; none where there is no board.
+/// Returns the corners row by row from any end; none if there is no board.
 Points findChessboard(const cv::Mat& image, const cv::Size& size) {
   double scale = 1;
   Points corners;
-  // Without the fast check, noise that is blown up to full contrast keeps it busy for many seconds.
+  // Without the fast check, noise amplified to full contrast keeps the search busy for many seconds.
   constexpr int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
   const bool is_found =
       cv::findChessboardCorners(reduced(image, side_at_first, scale), size, corners, flags) ||
@@ -83,7 +83,7 @@ Points findChessboard(const cv::Mat& image, const cv::Size& size) {
   return corners;
 }
 
-/// Whether the corners that were seen determine the pose of the board.
+/// Returns whether the corners determine the pose of the board.
 bool givePose(const Board& board, const std::vector<FoundCorner>& found) {
   constexpr std::size_t least = 6;
   std::vector<vec2> on_board, in_image;
@@ -94,8 +94,8 @@ bool givePose(const Board& board, const std::vector<FoundCorner>& found) {
   return found.size() >= least && !onLineButOne(on_board, 1e-4) && !onLineButOne(in_image, 2e-3);
 }
 
-/// Threads of the command search photographs in parallel; OpenCV's own threads within them would keep more photographs in
-/// memory.
+/// Turns off OpenCV's threads. Threads of the command search photographs in parallel, and OpenCV's own threads within
+/// them would keep more photographs in memory.
 void keepToOneThread() {
   static std::once_flag once;
   std::call_once(once, [] { cv::setNumThreads(0); });

@@ -19,11 +19,11 @@
 namespace slom::app::calib {
 namespace {
 
-/// What one photograph shows.
+/// The content of one photograph.
 struct Seen {
   std::optional<ImageSize> size;  ///< nothing: it cannot be read
   std::vector<FoundCorner> corners;
-  std::string reason;  ///< why there are none
+  std::string reason;  ///< why there are no corners
 };
 
 Seen look(const Board& board, const std::string& file) {
@@ -40,7 +40,7 @@ Seen look(const Board& board, const std::string& file) {
     seen.corners = findBoard(board, *photo);
   } catch (const UserError&) {
     throw;
-  } catch (const std::exception&) {  // thrown by OpenCV, whose texts are for programmers
+  } catch (const std::exception&) {  // thrown by OpenCV, whose texts address programmers
     seen.reason = "cannot be searched for the board by OpenCV";
     return seen;
   }
@@ -49,7 +49,7 @@ Seen look(const Board& board, const std::string& file) {
   return seen;
 }
 
-/// What each photograph of each camera shows: the first index is the camera.
+/// Searches each photograph of each camera. The first index of the result is the camera.
 std::vector<std::vector<Seen>> lookAtAll(const std::vector<CameraPhotos>& cameras, const Board& board,
                                          bool with_progress) {
   std::vector<std::vector<Seen>> seen;
@@ -72,7 +72,7 @@ using Sides = std::pair<int, int>;
 
 Sides sidesOf(const ImageSize& size) { return {size.width, size.height}; }
 
-/// The size that more than half of the photographs have that can be read.
+/// Returns the size of more than half of the readable photographs.
 ImageSize commonSize(const CameraPhotos& camera, const std::vector<Seen>& seen) {
   std::map<Sides, std::size_t> count;
   std::size_t all = 0;
@@ -84,21 +84,20 @@ ImageSize commonSize(const CameraPhotos& camera, const std::vector<Seen>& seen) 
   for (std::size_t i = 0; i < seen.size() && 2 * most <= all; ++i) {
     if (!seen[i].size || sidesOf(*seen[i].size) == common) continue;
     throw UserError(fmt::format(
-        "{}: it has {} x {} pixels, and {} of camera {} {} {} x {}; most photographs of a camera must have "
-        "one "
-        "size, so leave out those of another, or scale none of them",
+        "{}: has {} x {} pixels, but {} of camera {} {} {} x {}; most photographs of a camera must have "
+        "the same size, so leave out the others, or scale no photograph",
         camera.photos[i].file, seen[i].size->width, seen[i].size->height, plural(most, "other photograph"),
         camera.name, most == 1 ? "has" : "have", common.first, common.second));
   }
   return {common.first, common.second};
 }
 
-/// Takes the corners away from photographs of another size, and says why.
+/// Removes the corners of photographs of another size, and says why.
 void leaveOutOtherSizes(const ImageSize& common, std::vector<Seen>& seen) {
   for (Seen& photo : seen) {
     if (photo.corners.empty() || sidesOf(*photo.size) == sidesOf(common)) continue;
     photo.corners.clear();
-    photo.reason = fmt::format("has {} x {} pixels, where most have {} x {}", photo.size->width,
+    photo.reason = fmt::format("has {} x {} pixels, but most have {} x {}", photo.size->width,
                                photo.size->height, common.width, common.height);
   }
 }
@@ -118,9 +117,8 @@ View viewOf(const Photo& photo, const Board& board, const std::vector<FoundCorne
     if (seen[i].size) readable.push_back(camera.photos[i].file);
   }
   if (readable.empty()) {
-    throw UserError(
-        fmt::format("{}: the file {}, and so it is with all photographs of camera {}; check the pattern",
-                    camera.photos.front().file, seen.front().reason, camera.name));
+    throw UserError(fmt::format("{}: the file {}, like all photographs of camera {}; check the pattern",
+                                camera.photos.front().file, seen.front().reason, camera.name));
   }
   throw UserError(fmt::format("{}: no photograph of camera {} shows the board {}; {}", readable.front(),
                               camera.name, toString(board), adviceOnSize(board)));
@@ -151,7 +149,7 @@ std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras,
     }
     for (const std::string& file : photos[c].unnumbered)
       camera.unused.push_back(
-          {{}, file, "has no number in its name, by which photographs of the same moment are found"});
+          {{}, file, "has no number in its name to pair photographs taken at the same time"});
     std::vector<std::string> with_board;
     for (std::size_t i = 0; i < seen[c].size(); ++i) {
       const Photo& photo = photos[c].photos[i];

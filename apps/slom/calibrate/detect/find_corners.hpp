@@ -1,4 +1,4 @@
-// From photographs to corners: many at once, in parallel.
+// From photographs to corners, many photographs in parallel.
 #pragma once
 
 #include "calibrate/detect/board.hpp"
@@ -7,10 +7,10 @@
 
 namespace slom::app::calib {
 
-/// Finds the board in all photographs, one for each thread in memory at a time. Photographs without a board,
-/// of another size than most of their camera, and those that cannot be read, are listed in CameraData::unused
-/// and left out. UserError when no size is that of most, or none shows the board. `with_progress` draws a bar
-/// on standard error where that is a terminal.
+/// Finds the board in all photographs. Each thread keeps one photograph in memory at a time. Photographs without a
+/// board, with another size than most of their camera, and unreadable ones are listed in CameraData::unused and left
+/// out. Throws UserError if no size is that of most, or if no photograph shows the board. `with_progress` draws a bar
+/// on standard error if that is a terminal.
 std::vector<CameraData> findCorners(const std::vector<CameraFile>& cameras,
                                     const std::vector<CameraPhotos>& photos, const Board& board,
                                     bool with_progress);

@@ -18,12 +18,12 @@ namespace {
 constexpr std::size_t fewest_markers = 6;
 constexpr int most_columns = 100;
 constexpr double not_explained = 1;  // squares
-constexpr double explained = 0.3;    // squares: lenses bend boards by less, and few markers are read wrongly
-constexpr double far_worse = 3;      // misfit of the stated board over that of another one
+constexpr double explained = 0.3;    // squares; lenses bend boards by less, and few markers are read wrongly
+constexpr double far_worse = 3;      // misfit of the stated board, divided by that of another one
 
 /// Column and row of the square of a marker.
 std::pair<int, int> squareOf(int id, const MarkerLayout& layout) {
-  const int of_two_rows = layout.columns;  // markers in two rows that follow each other
+  const int of_two_rows = layout.columns;  // markers in two successive rows
   const int first = layout.is_legacy ? (layout.columns + 1) / 2 : layout.columns / 2;
   const int rest = id % of_two_rows, row = 2 * (id / of_two_rows) + (rest < first ? 0 : 1);
   const bool begins_with_marker = layout.is_legacy == (row % 2 == 0);
@@ -38,15 +38,16 @@ bool areOnLine(const std::vector<vec2>& points) {
   return sizes[1] < 0.05 * sizes[0];
 }
 
-/// Markers at the ends of rows are few, and they alone distinguish some layouts.
+/// Returns the mean of the distances, cut at not_explained. A median would ignore the few markers at the ends of rows,
+/// which alone distinguish some layouts.
 double meanOf(const std::vector<double>& distances) {
   double sum = 0;
   for (const double distance : distances) sum += std::min(not_explained, distance);
   return sum / double(distances.size());
 }
 
-/// Distances of the markers from where a homography from the photograph puts them [squares]; those that lie worst, one after the other, are not in its
-/// fit. Empty: there is none.
+/// Returns the distances of the markers from their squares, mapped by a homography from the photograph [squares]. The
+/// fit leaves out the worst markers, one after the other. Returns an empty list if there is no homography.
 std::vector<double> distances(const std::vector<vec2>& squares, const std::vector<vec2>& pixels) {
   std::vector<vec2> from = pixels, to = squares;
   const std::size_t fewest_left = std::max<std::size_t>(5, pixels.size() - pixels.size() / 6 - 1);
@@ -70,7 +71,7 @@ std::vector<double> distances(const std::vector<vec2>& squares, const std::vecto
   }
 }
 
-/// Distances of the markers of one photograph; empty: too few, or in no plane.
+/// Returns the distances of the markers of one photograph; empty if they are too few or lie in no plane.
 std::vector<double> distancesIn(const std::vector<SeenMarker>& markers, const MarkerLayout& layout) {
   std::vector<vec2> squares, pixels;
   for (const SeenMarker& marker : markers) {
@@ -92,7 +93,7 @@ MarkersByPhoto markersIn(const std::vector<std::string>& photos, const std::stri
       if (const auto photo = readPhotograph(file, reason)) seen.back() = seenMarkers(dictionary, *photo);
     } catch (const UserError&) {
       throw;
-    } catch (const std::exception&) {  // thrown by OpenCV: a photograph that it cannot search
+    } catch (const std::exception&) {  // thrown by OpenCV for a photograph that it cannot search
     }
   }
   return seen;
@@ -103,7 +104,7 @@ std::size_t photosWithMarkers(const MarkersByPhoto& seen) {
                                    [](const auto& markers) { return markers.size() >= fewest_markers; }));
 }
 
-/// A dictionary that the user has not stated, whose markers the photographs show, and the layout of these markers.
+/// A dictionary other than the stated one, whose markers the photographs show, and the layout of these markers.
 struct OtherDictionary {
   std::string name;
   MarkerLayout layout;
@@ -132,14 +133,14 @@ std::optional<OtherDictionary> otherDictionary(const Board& board, const std::ve
                          const MarkerLayout& layout) {
   if (layout.is_legacy) {
     throw UserError(fmt::format(
-        "{}: the markers lie as on a board of {}x{} whose upper left square is white, as OpenCV before 4.6 printed it; print the "
-        "board again by OpenCV 4.6 or later",
+        "{}: the markers match a board of {}x{} whose upper left square is white, as printed by OpenCV "
+        "before 4.6; print the board again with OpenCV 4.6 or later",
         photo, layout.columns, layout.rows));
   }
   const std::string other =
-      dictionary == board.dictionary ? "" : fmt::format(" are of the dictionary {} and", dictionary);
+      dictionary == board.dictionary ? "" : fmt::format(" belong to the dictionary {} and", dictionary);
   throw UserError(
-      fmt::format("{0}: the markers{1} lie as on a board of {2}x{3}; give --board charuco:{2}x{3}:{4}", photo,
+      fmt::format("{0}: the markers{1} match a board of {2}x{3}; give --board charuco:{2}x{3}:{4}", photo,
                   other, layout.columns, layout.rows, dictionary));
 }
 
@@ -171,7 +172,7 @@ MarkerLayout likeliestLayout(const std::vector<std::vector<SeenMarker>>& photos)
   for (const std::vector<SeenMarker>& markers : photos) {
     if (markers.size() < fewest_markers) continue;
     const std::vector<double> found = distancesIn(markers, best);
-    for (std::size_t i = 0; i < found.size(); ++i) {  // others were read wrongly
+    for (std::size_t i = 0; i < found.size(); ++i) {  // other markers were read wrongly
       if (found[i] < explained) best.rows = std::max(best.rows, squareOf(markers[i].id, best).second + 1);
     }
   }

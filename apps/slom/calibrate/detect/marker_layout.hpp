@@ -1,4 +1,4 @@
-// A ChArUco board whose size, dictionary or pattern was given wrongly: how its markers lie.
+// The true layout of a ChArUco board whose stated size, dictionary or pattern is wrong.
 #pragma once
 
 #include <string>
@@ -8,21 +8,23 @@
 
 namespace slom::app::calib {
 
-/// A number of columns, which with the order of ids says where each marker lies: row by row in the squares of one colour.
+/// A number of columns. With the order of ids, it determines where each marker lies: row by row in the squares of one
+/// colour.
 struct MarkerLayout {
-  int columns = 0, rows = 0;  ///< squares; rows: up to the last marker that was seen
+  int columns = 0, rows = 0;  ///< squares; rows: up to the last marker seen
   bool is_legacy =
-      false;  ///< the square at the upper left is white, as OpenCV before 4.6 printed boards of an even number of rows
-  double misfit = 0;  ///< of marker centres, the mean distance [squares]
+      false;  ///< the upper left square is white, as OpenCV before 4.6 printed boards with an even number of rows
+  double misfit = 0;  ///< mean distance of marker centres [squares]
 };
 
-/// The layout that explains the markers of all photographs best; columns 0: none does.
+/// Returns the layout that explains the markers of all photographs best; columns 0: none does.
 MarkerLayout likeliestLayout(const std::vector<std::vector<SeenMarker>>& photos);
 
-/// How badly one layout explains them.
+/// Returns how badly a layout explains the markers.
 double misfitOf(const MarkerLayout& layout, const std::vector<std::vector<SeenMarker>>& photos);
 
-/// A look at some photographs before the search in all: UserError when their markers lie otherwise than on this board, and on another one.
+/// Looks at some photographs before the search in all. Throws UserError if their markers contradict this board and
+/// fit another one.
 void requireLayoutLikely(const Board& board, const std::vector<std::string>& photos);
 
 }  // namespace slom::app::calib

@@ -1,14 +1,14 @@
-// Boards whose corners have names: ChArUco and AprilGrid.
+// Boards with identified corners: ChArUco and AprilGrid.
 #pragma once
 
 #include "calibrate/detect/detector.hpp"
 
 namespace slom::app::calib {
 
-/// As findBoard, for boards that are not chessboards.
+/// Does the work of findBoard for boards that are not chessboards.
 std::vector<FoundCorner> findMarkers(const Board& board, const Photograph& photo);
 
-/// UserError when there is no such dictionary, or it has fewer markers than the board.
+/// Throws UserError if there is no such dictionary, or if it has fewer markers than the board.
 void requireDictionary(const Board& board);
 
 }  // namespace slom::app::calib

@@ -1,4 +1,4 @@
-// In place of markers_aruco.cpp where OpenCV's module aruco was not found.
+// Replaces markers_aruco.cpp if OpenCV's module aruco was not found.
 #include <fmt/format.h>
 
 #include "calibrate/detect/markers.hpp"

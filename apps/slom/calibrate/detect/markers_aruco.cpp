@@ -24,7 +24,7 @@ struct Dictionary {
   int name, markers;
 };
 
-/// OpenCV's dictionaries; a name consists of the bits along a side and the number of markers.
+/// OpenCV's dictionaries. A name gives the bits along a side and the number of markers.
 const std::map<std::string, Dictionary> dictionaries{{"4x4_50", {aruco::DICT_4X4_50, 50}},
                                                      {"4x4_100", {aruco::DICT_4X4_100, 100}},
                                                      {"4x4_250", {aruco::DICT_4X4_250, 250}},
@@ -64,8 +64,8 @@ Markers detect(const cv::Mat& image, int dictionary, int border) {
   return markers;
 }
 
-/// Moves corners to where the edges within a window meet, half of whose side is `half` pixels. Leaves out
-/// those that run away to another place.
+/// Moves corners to where the edges within a window meet. `half` is half the side of the window [px]. Leaves out
+/// corners that move too far.
 std::vector<FoundCorner> refined(const cv::Mat& image, const std::vector<FoundCorner>& found, double half) {
   const int window = std::clamp(int(half), 2, 12);
   std::vector<cv::Point2f> points;
@@ -85,7 +85,7 @@ std::vector<FoundCorner> refined(const cv::Mat& image, const std::vector<FoundCo
   return kept;
 }
 
-/// The shortest side that a detected marker has [px].
+/// Returns the shortest side of a detected marker [px].
 double shortestSide(const Markers& markers) {
   double side = std::numeric_limits<double>::infinity();
   for (const auto& marker : markers.corners) {
@@ -94,8 +94,7 @@ double shortestSide(const Markers& markers) {
   return side;
 }
 
-/// OpenCV's own corners lie half a pixel aside here and there, so they are refined once more, within what is
-/// clear of markers.
+/// Refines OpenCV's own corners, because some of them are half a pixel off. The windows stay clear of markers.
 std::vector<FoundCorner> findCharuco(const Board& board, const cv::Mat& image) {
   const int name = dictionaries.at(board.dictionary).name;
   const Markers markers = detect(image, name, 1);
@@ -112,7 +111,7 @@ std::vector<FoundCorner> findCharuco(const Board& board, const cv::Mat& image) {
   return refined(image, found, 0.9 * shortestSide(markers) / board.marker_m * clear_m);
 }
 
-/// Corners of a tag, clockwise as a detector lists them, begun at its `first`.
+/// Returns the corners of a tag, clockwise as a detector lists them, starting at `first`.
 std::array<int, 4> gridIndices(const Board& board, int tag, int first) {
   const int column = 2 * (tag % board.columns), row = 2 * (tag / board.columns),
             width = board.cornerColumns();
@@ -125,7 +124,7 @@ std::array<int, 4> gridIndices(const Board& board, int tag, int first) {
 std::vector<FoundCorner> asGrid(const Board& board, const Markers& tags, int first) {
   std::vector<FoundCorner> found;
   for (std::size_t i = 0; i < tags.ids.size(); ++i) {
-    if (tags.ids[i] >= board.columns * board.rows) continue;  // some other tag
+    if (tags.ids[i] >= board.columns * board.rows) continue;  // a tag of another board
     const std::array<int, 4> indices = gridIndices(board, tags.ids[i], first);
     for (std::size_t k = 0; k < 4; ++k)
       found.push_back({indices[k], vec2(tags.corners[i][k].x, tags.corners[i][k].y)});
@@ -133,7 +132,7 @@ std::vector<FoundCorner> asGrid(const Board& board, const Markers& tags, int fir
   return found;
 }
 
-/// Sum of squared distances from where a homography puts the corners [px^2].
+/// Returns the sum of squared distances between corners and their predictions by a homography [px^2].
 double bend(const Board& board, const std::vector<FoundCorner>& found) {
   std::vector<vec2> on_board, pixels;
   for (const FoundCorner& corner : found) {
@@ -147,12 +146,12 @@ double bend(const Board& board, const std::vector<FoundCorner>& found) {
   return sum;
 }
 
-/// Where the tags around each tag, and the tag itself, put its corners: a homography that is true for most of
-/// these. In a small region of the image it is valid for any lens. Corners that lie elsewhere were taken
-/// from a square between tags.
+/// Predicts the corners of each tag from the tag itself and the tags around it, by a homography that holds for most
+/// of these. In a small region of the image, a homography suits any lens. Leaves out corners that lie elsewhere,
+/// because they were found at a square between tags.
 std::vector<FoundCorner> smoothed(const Board& board, const std::vector<FoundCorner>& found, double side) {
   std::vector<FoundCorner> kept;
-  for (std::size_t tag = 0; tag + 3 < found.size(); tag += 4) {  // the corners of a tag follow each other
+  for (std::size_t tag = 0; tag + 3 < found.size(); tag += 4) {  // the corners of a tag are successive
     std::vector<cv::Point2f> on_board, pixels;
     const vec3 middle = board.corner(found[tag].index);
     for (const FoundCorner& other : found) {
@@ -175,8 +174,8 @@ std::vector<FoundCorner> smoothed(const Board& board, const std::vector<FoundCor
   return kept;
 }
 
-/// Printed tags may be turned by quarters against OpenCV's: that turn is chosen by which the corners lie on a
-/// plane.
+/// Finds an AprilGrid. Printed tags may be turned by quarters against OpenCV's tags. Chooses the turn that puts the
+/// corners on a plane.
 std::vector<FoundCorner> findAprilgrid(const Board& board, const cv::Mat& image) {
   const Markers tags = detect(image, aruco::DICT_APRILTAG_36h11, border_of_aprilgrid);
   std::vector<FoundCorner> best;
@@ -188,7 +187,7 @@ std::vector<FoundCorner> findAprilgrid(const Board& board, const cv::Mat& image)
     if (sum < least) least = sum, best = std::move(found);
   }
   const double side = shortestSide(tags);
-  // Up to the next edge: of the square, or of the tag's code.
+  // The window ends at the next edge: of the square, or of the tag's code.
   return refined(image, smoothed(board, best, side), 0.7 * std::min(board.spacing, 0.2) * side);
 }
 

@@ -1,4 +1,4 @@
-// What a photograph shows around a corner, for pages that people look at.
+// The part of a photograph around a corner, for the report page.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace slom::app::calib {
 
-/// The pixels within `radius` of `pixel`, each drawn as `scale` x `scale` ones, as a data URI of a PNG image
-/// in grey levels: the middle of the picture is the pixel that `pixel` lies in. Where the photograph ends,
-/// the patch is black. Empty when the photograph cannot be read, or this program was built without what reads
-/// photographs.
+/// Returns the pixels within `radius` of `pixel` in grey levels, each drawn as `scale` x `scale` pixels, as a data
+/// URI of a PNG image. The middle of the picture is the pixel that contains `pixel`. Beyond the border of the
+/// photograph, the patch is black. Returns an empty text if the photograph cannot be read, or if this program was
+/// built without a reader of photographs.
 std::string photoPatch(const std::string& photo, const vec2& pixel, int radius = 15, int scale = 6);
 
 }  // namespace slom::app::calib

@@ -1,4 +1,4 @@
-// A photograph's brightness.
+// The brightness of a photograph.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@ struct Photograph {
   std::vector<std::uint8_t> grey;  ///< row by row, from the top left
 };
 
-/// JPEG, PNG, BMP, PGM and some more; pixels as the sensor gave them, whatever orientation the file suggests
-/// to viewers. Images of 16 bits are scaled so that the brightest pixel is white. Nothing for a file that is
-/// none of these, broken, or larger than 300 million pixels; `reason` then says what is wrong with it. The
-/// size is looked at before memory is taken.
+/// Reads JPEG, PNG, BMP, PGM and some other formats. Keeps pixels as the sensor gave them, whatever orientation the
+/// file suggests to viewers. Scales images of 16 bits so that the brightest pixel is white. Returns nothing for a
+/// file that is none of these, broken, or larger than 300 million pixels; `reason` then says what is wrong. Checks
+/// the size before allocating memory.
 std::optional<Photograph> readPhotograph(const std::string& file, std::string& reason);
 
 }  // namespace slom::app::calib

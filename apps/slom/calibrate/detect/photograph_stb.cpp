@@ -1,4 +1,4 @@
-// Photographs read by stb_image, which reads the formats that cameras write and has no dependencies.
+// Photographs read by stb_image, which reads the formats of cameras and has no dependencies.
 #include <algorithm>
 #include <cmath>
 #include <fcntl.h>
@@ -45,10 +45,10 @@ std::optional<Photograph> readShallow(std::FILE* stream) {
 
 constexpr const char* unreadable = "is not an image that can be read (JPEG, PNG, BMP, PGM), or is damaged";
 
-/// Twice what the largest sensors have. A pixel takes up to four bytes while a file is read.
+/// Twice the size of the largest sensors. Reading takes up to four bytes per pixel.
 constexpr std::size_t most_pixels = 300'000'000;
 
-/// Opens a file without waiting, as one would for a pipe.
+/// Opens a regular file. Does not wait, as opening a pipe would.
 InputStream openRegular(const std::string& file, std::string& reason) {
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   InputStream stream(descriptor < 0 ? nullptr : ::fdopen(descriptor, "rb"));
@@ -83,12 +83,13 @@ std::optional<Photograph> readPhotograph(const std::string& file, std::string& r
   if (stbi_info_from_file(stream.get(), &size.width, &size.height, &channels) == 0)
     return reason = unreadable, std::nullopt;
   if (!isPlausible(size) || std::size_t(size.width) * std::size_t(size.height) > most_pixels) {
-    reason = fmt::format("has {} x {} pixels, where {} on a side and {} in all are the most", size.width,
-                         size.height, most_side_px, most_pixels);
+    reason = fmt::format("has {} x {} pixels, more than {} on a side or {} in all", size.width, size.height,
+                         most_side_px, most_pixels);
     return std::nullopt;
   }
   const bool is_deep = stbi_is_16_bit_from_file(stream.get()) != 0;
-  if (is_deep && first == 'P')  // stb_image takes its bytes in the processor's order, which is not the file's
+  if (is_deep &&
+      first == 'P')  // stb_image reads these bytes in the processor's order, which is not the file's
     return reason = "is a PGM of 16 bits, which must be converted, to PNG for example", std::nullopt;
   std::optional<Photograph> photo = is_deep ? readDeep(stream.get()) : readShallow(stream.get());
   if (!photo) reason = unreadable;

@@ -16,8 +16,8 @@ namespace {
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-/// Files that one pattern stands for, in alphabetical order. A file whose name looks like a pattern stands
-/// for itself.
+/// Returns the files that match one pattern, in alphabetical order. If a file has the name of the pattern, returns
+/// that file.
 std::vector<std::string> expanded(const std::string& camera, const std::string& pattern) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(pattern, ignored)) return {pattern};
@@ -37,7 +37,7 @@ std::vector<std::string> expanded(const std::string& camera, const std::string& 
       camera, pattern));
 }
 
-/// Compares texts by the numbers that they are, without leading zeros: the shorter one is smaller.
+/// Compares numbers given as texts without leading zeros: the shorter one is smaller.
 struct ByValue {
   bool operator()(const std::string& a, const std::string& b) const {
     return a.size() != b.size() ? a.size() < b.size() : a < b;
@@ -46,7 +46,7 @@ struct ByValue {
 
 using FilesByNumber = std::map<std::string, std::string, ByValue>;
 
-/// The files without a number go to `unnumbered`.
+/// Returns the files by number. Files without a number go to `unnumbered`.
 FilesByNumber numbered(const CameraFile& camera, std::vector<std::string>& unnumbered) {
   FilesByNumber files;
   for (const std::string& pattern : camera.patterns) {
@@ -60,15 +60,15 @@ FilesByNumber numbered(const CameraFile& camera, std::vector<std::string>& unnum
       const auto [known, is_new] = files.emplace(number, file);
       if (is_new || known->second == file) continue;
       throw UserError(fmt::format(
-          "{}: camera {} has image {} already, {}; the last number in the name must tell its photographs "
-          "apart",
+          "{}: camera {} already has image {}, {}; the last number in the name must distinguish its "
+          "photographs",
           file, camera.name, number, known->second));
     }
   }
   if (files.empty()) {
     throw UserError(fmt::format(
-        "{}: there is no number in its name, by which photographs of the same moment are found, nor in that of another one of camera {}; rename them, as "
-        "in {}07.jpg",
+        "{}: no photograph of camera {} has a number in its name to pair photographs taken at the same "
+        "time; rename them, as in {}07.jpg",
         unnumbered.front(), camera.name, camera.name));
   }
   return files;

@@ -9,23 +9,24 @@
 namespace slom::app::calib {
 
 struct Photo {
-  int image = 0;  ///< what was taken at the same time has the same number
+  int image = 0;  ///< photographs taken at the same time have the same number
   std::string file;
 };
 
 struct CameraPhotos {
   std::string name;
   std::vector<Photo> photos;              ///< sorted by number
-  std::vector<std::string> unnumbered{};  ///< files without a number in their name, which are left out
+  std::vector<std::string> unnumbered{};  ///< files without a number in their name; left out
 };
 
-/// The last number in a file's name, folders and extension left aside: 7 of `run2/left07.jpg`. It is text,
-/// without leading zeros, because time stamps may have any length. Empty: there is none.
+/// Returns the last number in a file's name, without folders and extension: 7 for `run2/left07.jpg`. The number is
+/// text without leading zeros, because time stamps may have any length. Empty if there is none.
 std::string numberInName(const std::string& file);
 
-/// The photographs of each camera. Where a number is too large for an image number, as time stamps are,
-/// images are counted from 1 by rising number over all cameras, and paired by the nearest (ImageNumbers); `found`, where given, gets them. UserError for a pattern that matches nothing,
-/// a camera without a number in any name, a number that a camera has twice, and a photograph that two cameras have.
+/// Returns the photographs of each camera. If a number is too large for an image number, as time stamps are, images
+/// are counted from 1 by ascending number over all cameras. They are paired by the nearest stamps (ImageNumbers);
+/// `found`, if given, receives these numbers. Throws UserError for a pattern that matches nothing, a camera without a
+/// number in any name, a number that a camera has twice, and a photograph of two cameras.
 std::vector<CameraPhotos> findPhotos(const std::vector<CameraFile>& cameras, ImageNumbers* found = nullptr);
 
 }  // namespace slom::app::calib

@@ -1,4 +1,4 @@
-// How far a long task is, on a terminal.
+// The progress of a long task, on a terminal.
 #pragma once
 
 #include <mutex>
@@ -6,7 +6,7 @@
 
 namespace slom::app::calib {
 
-/// Draws on standard error, where that is a terminal, and wipes itself away in the end.
+/// A bar on standard error if that is a terminal. Wipes itself away at the end.
 class ProgressBar {
  public:
   ProgressBar(std::string task, std::size_t total, bool is_wanted);
@@ -14,7 +14,7 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar();
 
-  /// One more is done; from any thread.
+  /// Counts one more as done; callable from any thread.
   void step();
 
  private:

@@ -8,7 +8,7 @@
 namespace slom::app::calib {
 namespace {
 
-/// No result may replace a photograph.
+/// Throws if a result would replace a photograph.
 void checkPaths(const CommandSettings& settings, const std::vector<CameraPhotos>& photos) {
   std::vector<NamedFile> inputs{{"--imu", settings.imu_file}};
   for (const CameraPhotos& camera : photos) {

@@ -1,4 +1,4 @@
-// The first half of a calibration from photographs: corners, and files of them.
+// The first half of a calibration from photographs: finding corners, and writing corner files.
 #pragma once
 
 #include "calibrate/library.hpp"
@@ -6,8 +6,8 @@
 
 namespace slom::app::calib {
 
-/// Finds the board in the photographs of all cameras and writes the corner files that are asked for, so that
-/// they are there whatever becomes of the fit. `settings.board` must be given. `numbers` gets those in the names of the files.
+/// Finds the board in the photographs of all cameras. Writes the requested corner files, so that they exist even if
+/// the fit fails. `settings.board` must be given. `numbers` receives the numbers in the names of the files.
 std::vector<CameraData> readPhotos(const CommandSettings& settings, ImageNumbers& numbers);
 
 }  // namespace slom::app::calib

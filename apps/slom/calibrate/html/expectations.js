@@ -1,5 +1,5 @@
-// The sections that say what is to be expected of the calibration: projection uncertainty, cross-validation, next best views,
-// correlations.
+// The sections on the expected accuracy of the calibration: projection uncertainty, cross-validation, next best
+// views, correlations.
 
 function mapFigure(row, camera, title, caption, name, values, levels) {
   figure(row, title, caption, place => imagePlot(place, name, camera, (pen, x, y, scale) => drawMap(pen, x, y, scale, camera, values, levels),
@@ -17,20 +17,20 @@ const map_places = ["", "middle", "left", "right", "top", "bottom", "top left", 
 function projection() {
   const maps = el("div", {class: "row"}), curves = el("div", {class: "row"}), rows = [];
   const made = section("projection", "Projection uncertainty", el("p", {},
-    "A point that stands still before the rig is seen in a pixel. Calibrated again with other noise, it would be seen elsewhere: by this standard deviation, in the direction in which it is largest. " +
-    "The motion of the rig's own frame between two calibrations is not counted, for nobody could see it."), maps, curves);
+    "A point at rest relative to the rig has a pixel. A calibration with other noise would give another pixel. The maps show the standard deviation of this change, in the direction in which it is largest. " +
+    "The motion of the rig's own frame between two calibrations is not counted, because it is invisible."), maps, curves);
   const levels = levelsFor(data.cameras.flatMap(camera => camera.projection.flatMap(map => map.std)));
   for (const camera of data.cameras) {
     for (const map of camera.projection) {
-      const where = distanceText(map.distance) + (map.distance === null ? "" : ", as far as the boards");
+      const where = distanceText(map.distance) + (map.distance === null ? "" : ", the distance of the boards");
       mapFigure(maps, camera, [titleOf(camera), where].filter(x => x).join(", "),
-        `Middle ${number(map.middle)} px, half of the image below ${number(map.median)} px, worst place ${number(map.worst)} px.` + (map.std.includes(null) ? " Hatched: the model has no ray for these pixels." : ""),
+        `Middle ${number(map.middle)} px, below ${number(map.median)} px in half of the image, worst place ${number(map.worst)} px.` + (map.std.includes(null) ? " Hatched: the model has no ray for these pixels." : ""),
         `Projection uncertainty over the image of ${camera.name} ${where}`, map.std, levels);
       rows.push(mapTableRow([several ? camera.name : "", where].filter(x => x).join(", "), camera.grid, map.std));
     }
   }
   for (const camera of data.cameras) {
-    figure(curves, titleOf(camera), `The boards stood ${number(data.board_distance)} m away: nearer and farther, it also counts where the camera's centre is.`,
+    figure(curves, titleOf(camera), `The boards stood ${number(data.board_distance)} m away. At other distances, the position of the camera's centre also matters.`,
       place => xyPlot(place, `Projection uncertainty of ${camera.name} by distance`, "distance [m]", "std. dev. [px]", [
         {x: camera.distances, y: camera.middle, colour: "--blue", kind: "line"},
         {x: camera.distances, y: camera.worst, colour: "--orange", kind: "line"},
@@ -44,10 +44,10 @@ function projection() {
 
 function crossValidation() {
   const made = section("halves", "Cross-validation",
-    el("p", {}, "Calibrated from every second image and from the others: where the two project the same rays to, once the rotation between their frames is fitted out. " +
-      "Residuals cannot show a model that bends to its own images; halves that disagree by more than noise does can."));
+    el("p", {}, "Compares calibrations from every second image and from the others: the pixels to which the two project the same rays, after fitting the rotation between their frames. " +
+      "Residuals cannot show a model that adapts to its own images. Halves that disagree by more than noise do show it."));
   if (data.split_why_not) {
-    made.append(el("p", {}, `There is none: ${data.split_why_not}.`));
+    made.append(el("p", {}, `There is no comparison: ${data.split_why_not}.`));
     return;
   }
   const maps = el("div", {class: "row"}), levels = levelsFor(data.cameras.flatMap(camera => camera.split.difference));
@@ -58,15 +58,15 @@ function crossValidation() {
       (as_expected ? " The halves agree as well as they should." : " The lens parameters differ by more than their standard deviations allow."),
       `Difference of the two halves over the image of ${camera.name}`, split.difference, levels);
   }
-  made.append(folded("Table", table("Difference of the halves; chi-square is that of the lens parameters", ["camera", "RMS [px]", "expected [px]", "largest [px]", "χ²", "parameters", "probability"],
+  made.append(folded("Table", table("Difference of the halves; chi-square: of the lens parameters", ["camera", "RMS [px]", "expected [px]", "largest [px]", "χ²", "parameters", "probability"],
     data.cameras.map(({name, split}) => [name, number(split.rms), number(split.expected), number(split.largest), number(split.chi2, 3), split.dof, number(split.probability)]))));
 }
 
 function furtherViews() {
   const made = section("views", "What more images would help",
-    el("p", {}, "Boards at places all over the images, tilted and not, were added by calculation. The worst projection uncertainty, " +
-      (data.views.length > 0 && data.views[0].far ? "at infinity" : "at the distance of the boards") + ", would fall most by:"));
-  if (data.views.length === 0) { made.append(el("p", {}, data.cut_short ? `They were not looked for to the end: ${data.cut_short}.` : "None of them.")); return; }
+    el("p", {}, "Boards all over the images, facing the camera or tilted, were added by calculation. These views reduce the worst projection uncertainty " +
+      (data.views.length > 0 && data.views[0].far ? "at infinity" : "at the distance of the boards") + " most:"));
+  if (data.views.length === 0) { made.append(el("p", {}, data.cut_short ? `The search was cut short: ${data.cut_short}.` : "No view helps.")); return; }
   made.append(el("ol", {class: "views"}, ...data.views.map((view, i) => el("li", {}, (i === 0 ? "" : "then ") + view.sentence + "."))));
   const most = data.views[0].before;
   const bar = value => { const made = el("span", {class: "bar"}); made.style.width = Math.max(1, 240 * value / most).toFixed(0) + "px"; return made; };
@@ -117,13 +117,13 @@ function correlationPicture(place, names, matrix) {
 function correlations() {
   const {names, matrix, strong, strong_count, count} = data.correlations;
   const made = section("correlations", "Correlations", el("p", {},
-    "Parameters that trade off against each other: errors of one are made up for by the other. Strong ones are usual between focal length and distance, and among the distortion coefficients; they do no harm to the projection, but the values must be used together."));
+    "Correlated parameters trade off against each other: one compensates errors of the other. Strong correlations are usual between focal length and distance, and among the distortion coefficients. They do not harm the projection, but the values must be used together."));
   const holder = el("figure", {});
   if (names.length) {
     made.append(holder);
     correlationPicture(holder, names, matrix);
     holder.append(legendOf(key("--blue", "+1"), key("--grid", "0"), key("--orange", "−1")));
   } else made.append(el("p", {class: "quiet"}, `There are ${count} parameters, too many for a picture.`));
-  if (strong.length === 0) made.append(el("p", {}, "None is 0.9 or stronger."));
+  if (strong.length === 0) made.append(el("p", {}, "No correlation has magnitude 0.9 or more."));
   else made.append(table(`Magnitude 0.9 or more: ${strong_count}` + (strong.length < strong_count ? `, the strongest ${strong.length}` : ""), ["", "and", "correlation"], strong.map(([a, b, c]) => [a, b, c.toFixed(3)])));
 }

@@ -1,4 +1,4 @@
-// The report of a calibration as one HTML page that needs nothing else: no network, no other file.
+// The report of a calibration as one HTML page that needs no network and no other file.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace slom::app::calib {
 
-/// `result.quality` must be there.
+/// Returns the page. `result.quality` must be set.
 std::string toHtml(const Dataset& data, const Result& result);
 
 }  // namespace slom::app::calib

@@ -16,17 +16,17 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_corners = 4000;  // drawn for each camera
-constexpr std::size_t most_boards = 200;    // in the view in space
+constexpr std::size_t most_boards = 200;    // in the view of the boards in space
 constexpr std::size_t most_images = 500;    // in tables
 constexpr std::size_t most_correlated = 120;
 
-/// Decimal places are cut, which makes the page small.
+/// Rounds to a few decimal places, which keeps the page small.
 double rounded(double x, int decimals) {
   const double scale = std::pow(10, decimals);
   return std::round(x * scale) / scale;
 }
 
-/// Three digits of each; null where there is none.
+/// Returns the numbers with three digits each; null for a number that is not finite.
 Json threeDigits(const std::vector<double>& numbers) {
   Json list = Json::array();
   for (const double x : numbers) {
@@ -38,7 +38,7 @@ Json threeDigits(const std::vector<double>& numbers) {
   return list;
 }
 
-/// name, value, stated and clustered standard deviation, unit: as text, with as many digits as are worth printing.
+/// Returns name, value, stated and clustered standard deviation, and unit, as text with a useful number of digits.
 Json row(const std::string& name, double value, double std, double clustered, const std::string& unit) {
   const ValueText text = withStd(value, std);
   const std::string second = std > 0 && !std::isnan(clustered) ? withStd(value, clustered).std : "";
@@ -61,7 +61,7 @@ Json pose(const SE3& T) {
   return numbers;
 }
 
-/// How many corners lie in each cell of an image.
+/// Returns the number of corners in each cell of an image.
 Json coverage(const CameraQuality& camera) {
   constexpr int columns = 12, most_rows = 4 * columns;
   const ImageBox& box = camera.grid.box;
@@ -77,7 +77,7 @@ Json coverage(const CameraQuality& camera) {
   return {{"columns", columns}, {"rows", rows}, {"counts", counts}};
 }
 
-/// Evenly chosen ones: u, v, and found less predicted.
+/// Returns evenly chosen residuals: u, v, and found minus predicted pixel.
 Json residuals(const CameraQuality& camera) {
   const std::size_t total = camera.residuals.size(), every = (total + most_corners - 1) / most_corners;
   Json numbers = Json::array();
@@ -187,7 +187,7 @@ Json imagesJson(const Result& result) {
   return {{"list", images}, {"boards_every", every}, {"rows", most_images}};
 }
 
-/// The rectangle about all corners of the board, in the world.
+/// Returns the rectangle around all corners of the board, in the world.
 Json boardJson(const Dataset& data) {
   const BoardOutline board = outlineOf(fullestView(data));
   Json points = Json::array();
@@ -203,7 +203,7 @@ Json worstJson(const Dataset& data, const Result& result) {
   Json list = Json::array();
   for (const WorstResidual& worst : result.quality->worst) {
     const View* view = data.cameras[worst.camera].find(worst.corner.image);
-    // Photographs that --images named; what a corner file calls a photograph may be any file.
+    // Only photographs named by --images are shown. What a corner file calls a photograph may be any file.
     const bool is_given = view && !view->photo.empty() && worst.corner.line == 0;
     const std::string patch = is_given ? photoPatch(view->photo, worst.corner.pixel) : "";
     list.push_back({{"camera", worst.camera},
@@ -248,8 +248,8 @@ Json viewsJson(const Result& result) {
   return list;
 }
 
-/// The fitted board as seen from the first image's side [mm]: places in the plane from one of its corners, displacements and their standard deviations,
-/// the third one towards the camera.
+/// Returns the fitted board as seen from the side of the first image [mm]: positions in the plane from one of its
+/// corners, displacements and their standard deviations. The third displacement points towards the camera.
 Json fittedBoardJson(const Dataset& data, const Result& result) {
   if (!result.board) return {};
   constexpr double mm = 1000;

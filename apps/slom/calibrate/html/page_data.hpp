@@ -1,4 +1,4 @@
-// What the page of a report shows, as JSON inside its <script type="application/json">.
+// The data of the report page, as JSON inside its <script type="application/json">.
 #pragma once
 
 #include <string>
@@ -7,7 +7,8 @@
 
 namespace slom::app::calib {
 
-/// Where there are many corners, images or parameters, the data contain only as many as can be drawn, and the page says so.
+/// Returns the data. If there are many corners, images or parameters, keeps only as many as can be drawn, and the
+/// page says so.
 std::string pageData(const Dataset& data, const Result& result);
 
 }  // namespace slom::app::calib

@@ -1,6 +1,6 @@
-// Elements, numbers as text, and plots: uPlot makes the axes, functions here draw what it has no picture for.
+// Elements, numbers as text, and plots. uPlot draws the axes; functions here draw what it has no picture for.
 
-/// el("p", {class: "quiet"}, "text", child)
+/// Makes an element: el("p", {class: "quiet"}, "text", child)
 function el(tag, attributes, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes || {})) {
@@ -11,7 +11,7 @@ function el(tag, attributes, ...children) {
   return element;
 }
 
-/// `digits` significant ones, never in scientific notation for usual sizes.
+/// Returns a number with `digits` significant digits, never in scientific notation for usual sizes.
 function number(x, digits = 2) {
   if (x === null || x === undefined || !isFinite(x)) return "–";
   if (x === 0) return "0";
@@ -25,7 +25,7 @@ const paint = name => () => css(name);
 const series_colours = ["--blue", "--orange", "--green", "--purple"];
 const colourOf = index => series_colours[index % series_colours.length];
 
-/// header: names of the columns; rows: texts or elements.
+/// Makes a table. header: names of the columns; rows: texts or elements.
 function table(caption, header, rows) {
   const head = el("tr", {}, ...header.map(name => el("th", {scope: "col"}, name)));
   const cell = value => value instanceof Node ? el("td", {}, value) : el("td", {}, String(value));
@@ -36,7 +36,7 @@ function table(caption, header, rows) {
 }
 const folded = (summary, ...content) => el("details", {}, el("summary", {}, summary), ...content);
 
-// Everything that is drawn, to be drawn again when colours or widths change.
+// All drawings, to be drawn again when colours or widths change.
 const drawings = [];
 function redrawAll() { for (const drawing of drawings) drawing.redraw(); }
 function resizeAll() { for (const drawing of drawings) drawing.resize(); }
@@ -64,9 +64,9 @@ function plot(place, label, options, data, height) {
   return drawn;
 }
 
-/// A plot over an image of a camera, pixels square, v downwards. draw(pen, x, y, scale): x(u), y(v) in pixels of the canvas,
-/// `scale` of those in one of the page. `probe(u, v)`: what to say about a place.
-/// `labels`: of the axes, where it is no image.
+/// Plots over an image of a camera, with square pixels and v downwards. draw(pen, x, y, scale): x(u), y(v) in pixels
+/// of the canvas; `scale`: canvas pixels in one pixel of the page. `probe(u, v)`: text about a place. `labels`: of
+/// the axes, if this is not an image.
 function imagePlot(place, label, camera, draw, probe, labels = ["u [px]", "v [px]"]) {
   const hook = u => {
     const pen = u.ctx;
@@ -96,7 +96,7 @@ function imagePlot(place, label, camera, draw, probe, labels = ["u [px]", "v [px
   drawn.over.addEventListener("pointerleave", () => { readout.textContent = ""; });
 }
 
-/// Points and lines over x. series: {x, y, colour, kind: "points" | "line" | "dashes", hollow}.
+/// Plots points and lines over x. series: {x, y, colour, kind: "points" | "line" | "dashes", hollow}.
 function xyPlot(place, label, x_label, y_label, series, more = {}) {
   const joined = uPlot.join(series.map(s => [s.x, s.y]));
   const one = s => ({stroke: paint(s.colour), width: 2, spanGaps: true, dash: s.kind === "dashes" ? [6, 5] : undefined,
@@ -119,7 +119,7 @@ function viridisAt(t) {
 }
 const rgb = colour => "rgb(" + colour.join(",") + ")";
 
-/// Round levels about all values, as many as can be distinguished.
+/// Returns round levels around all values, as many as can be distinguished.
 function levelsFor(values) {
   const all = values.filter(v => v !== null && v > 0);
   if (all.length === 0) return [0.1, 1];
@@ -133,7 +133,7 @@ function levelsFor(values) {
 }
 const bandColour = (levels, band) => viridisAt((band + 0.5) / Math.max(1, levels.length - 1));
 
-/// Value between the nodes of a grid over the image; null where a node has none.
+/// Returns the value between the nodes of a grid over the image; null if a node has none.
 function interpolated(grid, camera, values, u, v) {
   const [columns, rows] = grid;
   const x = Math.min(columns - 1.001, Math.max(0, u / (camera.width - 1) * (columns - 1)));
@@ -145,7 +145,7 @@ function interpolated(grid, camera, values, u, v) {
   return (a * (1 - s) + b * s) * (1 - t) + (c * (1 - s) + d * s) * t;
 }
 
-/// Bands of colour between levels, hatched where there is no value.
+/// Draws bands of colour between levels, hatched if there is no value.
 function drawMap(pen, x, y, scale, camera, values, levels) {
   const width = 320, height = Math.max(2, Math.round(width * camera.height / camera.width));
   const picture = document.createElement("canvas");

@@ -11,7 +11,8 @@ function section(id, title, ...content) {
   document.getElementById("contents").append(el("a", {href: "#" + id}, title));
   return made;
 }
-/// A figure in `place`: title, the plot's own place, legend, caption. fill(place) draws once the figure is in the page.
+/// Adds a figure to `place`: title, the plot's own place, legend, caption. fill(place) draws once the figure is in
+/// the page.
 function figure(place, title, caption, fill, ...legend) {
   const canvas = el("div", {class: "plot"});
   place.append(el("figure", {}, title ? el("h3", {}, title) : null, canvas, ...legend, caption ? el("figcaption", {}, caption) : null));
@@ -20,7 +21,7 @@ function figure(place, title, caption, fill, ...legend) {
 const key = (colour, text, kind = "") => el("span", {}, el("i", {class: kind, style: (kind ? "border-color" : "background") + ":var(" + colour + ")"}), text);
 const legendOf = (...keys) => el("div", {class: "legend"}, ...keys);
 const sizeNote = camera => camera.size_is_assumed
-  ? ` The size of the image, ${camera.width} x ${camera.height} px, is assumed; --image-size states it.` : "";
+  ? ` The image size, ${camera.width} x ${camera.height} px, is assumed; pass --image-size to state it.` : "";
 const distanceText = distance => distance === null ? "at infinity" : "at " + number(distance) + " m";
 
 function head() {
@@ -63,16 +64,16 @@ function parameters() {
       table(`Bias and gravity; rotation from ${reference} to the IMU`, header, data.imu.parameters)));
   }
   section("parameters", "Parameters",
-    el("p", {class: "quiet"}, data.success ? `Stated standard deviations follow from the stated noise of corners, which counts as independent, ${number(data.sigma_px)} px in u and in v` +
+    el("p", {class: "quiet"}, data.success ? `Stated standard deviations assume independent noise of corners, ${number(data.sigma_px)} px in u and in v` +
       (data.imu ? `, and of readings, ${number(data.sigma_acc)} m/s².` : ".") +
-      " Clustered ones allow for errors that are shared within an image, by images that follow each other, and at a corner of the board; where they are larger, trust these." : "The fit failed: these values are where it ended, not a calibration."),
+      " Clustered ones allow for errors shared within an image, by successive images, and at a corner of the board. If they are larger, trust them." : "The fit failed: these are its last values, not a calibration."),
     row, data.notes.length ? el("div", {}, el("h3", {}, "Notes"), el("ul", {}, ...data.notes.map(note => el("li", {}, note)))) : null);
 }
 
 function fit() {
   const images = data.images.list;
   const made = section("fit", "Fit by image",
-    el("p", {}, `RMS distance between found and predicted corners. An image far above the others was not found well, was blurred, or bears a wrong number.`));
+    el("p", {}, `RMS distance between found and predicted corners. If an image lies far above the others, its corners were found badly, it was blurred, or its number is wrong.`));
   const series = data.cameras.map((camera, c) => {
     const seen = images.filter(image => image.rms[c] !== null);
     return {x: seen.map(image => image.image), y: seen.map(image => image.rms[c]), colour: colourOf(c), kind: "points", hollow: c % 2 === 1, size: images.length > 100 ? 4 : 8};
@@ -83,7 +84,7 @@ function fit() {
     legendOf(...data.cameras.map((camera, c) => key(colourOf(c), `${camera.name}: RMS of all ${number(camera.rms, 3)} px`))));
   const shown = [...images].sort((a, b) => b.chi2 - a.chi2).slice(0, data.images.rows);
   made.append(folded("Table of images, the worst first" + (shown.length < images.length ? ` (${shown.length} of ${images.length})` : ""),
-    table("RMS [px], and chi-square per measurement, where 1 is expected", ["image", ...data.cameras.map(camera => camera.name), "χ² per measurement"],
+    table("RMS [px], and chi-square per measurement (expected: 1)", ["image", ...data.cameras.map(camera => camera.name), "χ² per measurement"],
       shown.map(image => [image.image, ...image.rms.map(rms => number(rms, 3)), number(image.chi2, 3)]))));
 }
 
@@ -99,8 +100,8 @@ const niceNumber = x => { const power = 10 ** Math.floor(Math.log10(x)); return 
 function residualVectors(row, camera, list) {
   const far_off = 4 * camera.rms, magnified = niceNumber(Math.min(1000, Math.max(1, 0.035 * camera.width / (camera.rms || 1))));
   const every = camera.residuals.every;
-  figure(row, titleOf(camera), `From where a corner was found away from where it is predicted, ${magnified} times as long as it is.` +
-    (every > 1 ? ` One corner of ${every} is drawn.` : "") + sizeNote(camera),
+  figure(row, titleOf(camera), `Lines from the found corner, away from the predicted one, magnified ${magnified} times.` +
+    (every > 1 ? ` One corner in ${every} is drawn.` : "") + sizeNote(camera),
     place => imagePlot(place, `Residual vectors over the image of ${camera.name}, ${magnified} times magnified`, camera, (pen, x, y, scale) => {
       for (const is_far of [false, true]) {
         pen.strokeStyle = pen.fillStyle = css(is_far ? "--orange" : "--blue");
@@ -125,20 +126,20 @@ function residualsByRadius(row, camera, list) {
   const [, , cx, cy] = camera.pinhole;
   const points = list.map(r => [Math.hypot(r.u - cx, r.v - cy), r.size]).sort((a, b) => a[0] - b[0]);
   const bins = Math.max(3, Math.min(12, Math.floor(points.length / 20))), middle = {x: [], y: []};
-  for (let b = 0; b < bins; ++b) {  // as many corners in each
+  for (let b = 0; b < bins; ++b) {  // the same number of corners in each
     const part = points.slice(Math.floor(b * points.length / bins), Math.floor((b + 1) * points.length / bins));
     if (part.length === 0) continue;
     middle.x.push(part[Math.floor(part.length / 2)][0]);
     middle.y.push(Math.sqrt(part.reduce((sum, p) => sum + p[1] * p[1], 0) / part.length));
   }
   const end = points.length ? points[points.length - 1][0] : 1, stated = Math.SQRT2 * data.sigma_px;
-  figure(row, titleOf(camera), "A line that rises outwards says that the model does not bend as the lens does.",
+  figure(row, titleOf(camera), "If the orange line rises outwards, the model does not match the lens.",
     place => xyPlot(place, `Size of residuals of ${camera.name} by distance from the optical axis`, "distance from the optical axis [px]", "residual [px]", [
       {x: points.map(p => p[0]), y: points.map(p => p[1]), colour: "--blue", kind: "points", size: 3},
       {...middle, colour: "--orange", kind: "line"},
       {x: [0, end], y: [stated, stated], colour: "--green", kind: "dashes"},
     ], {x_range: () => [0, end * 1.02]}),
-    legendOf(key("--blue", "corner"), key("--orange", "RMS there", "line"), key("--green", `expected of the stated noise, ${number(stated)} px`, "dashes")));
+    legendOf(key("--blue", "corner"), key("--orange", "RMS at this distance", "line"), key("--green", `expected from the stated noise, ${number(stated)} px`, "dashes")));
 }
 
 function coverage(row, camera) {
@@ -166,7 +167,7 @@ function residuals() {
   const row = draw => { const made = el("div", {class: "row"}); return {made, fill: () => data.cameras.forEach((camera, c) => draw(made, camera, lists[c]))}; };
   const vectors = row(residualVectors), radius = row(residualsByRadius), cover = row(coverage);
   const made = section("residuals", "Residuals over the image",
-    el("p", {}, "Good residuals have no pattern: neighbours point anywhere. Where they point the same way in many images, the model does not fit the lens, or the board is not flat."),
+    el("p", {}, "Good residuals have no pattern: neighbours point in any direction. If neighbours point the same way in many images, the model does not fit the lens, or the board is not flat."),
     vectors.made, radius.made);
   vectors.fill();
   radius.fill();
@@ -174,15 +175,15 @@ function residuals() {
     const rms = name => Math.sqrt(lists[c].reduce((sum, r) => sum + r[name] ** 2, 0) / lists[c].length);
     return [camera.name, camera.corners, number(camera.rms, 3), number(rms("du"), 3), number(rms("dv"), 3)];
   }))));
-  section("coverage", "Coverage of the image by corners", el("p", {}, "Where no corner ever was, shown hatched, the lens is extrapolated."), cover.made);
+  section("coverage", "Coverage of the image by corners", el("p", {}, "Hatched: no image has a corner there, so the lens is extrapolated."), cover.made);
   cover.fill();
 }
 
 function space() {
   const every = data.images.boards_every;
   const made = section("space", "Boards and cameras in space", el("p", {class: "quiet"},
-    "Drag, or use the arrow keys, to turn; wheel, two fingers, + or − to zoom; shift moves. Numbers are those of images; orange ones have more than three times the usual chi-square." +
-    (every > 1 ? ` One image of ${every} is drawn.` : "")));
+    "Drag or use the arrow keys to turn. Use the wheel, two fingers, + or − to zoom. Hold shift to move. The numbers are image numbers. Orange images have more than three times the usual chi-square." +
+    (every > 1 ? ` One image in ${every} is drawn.` : "")));
   const holder = el("figure", {});
   made.append(holder);
   new Scene(holder, data);
@@ -203,9 +204,9 @@ function board() {
   const magnified = niceNumber(Math.max(1, 0.8 * side / largest));
   const made = section("board", "Shape of the board", el("p", {},
     fitted.shape === "bent" ? `The board was fitted with a bend. Its corners are ${number(fitted.off_plane)} mm off the plane (RMS).` :
-      `Each corner was fitted. They are ${number(fitted.off_plane)} mm off the plane and ${number(fitted.within_plane)} mm within it along each axis from where they are stated (RMS).`));
-  figure(made, "", `Discs: height over the plane, the larger the farther, up to ${number(highest)} mm. Lines: from where a corner is stated to where it is, ${magnified} times as long.`,
-    place => imagePlot(place, `Corners of the board, and how far they are from where they are stated`, frame, (pen, x, y, scale) => {
+      `Each corner was fitted. The RMS distance from the stated positions is ${number(fitted.off_plane)} mm off the plane and ${number(fitted.within_plane)} mm within it along each axis.`));
+  figure(made, "", `Discs: height over the plane, up to ${number(highest)} mm for the largest disc. Lines: from the stated to the fitted corner, magnified ${magnified} times.`,
+    place => imagePlot(place, `Corners of the board, and their distances from the stated positions`, frame, (pen, x, y, scale) => {
       const disc = 0.42 * Math.abs(x(side) - x(0));
       for (const c of corners) {
         pen.beginPath();
@@ -233,7 +234,7 @@ function board() {
 
 function worstCorners() {
   const has_photos = data.worst.some(corner => corner.photo), has_lines = data.worst.every(corner => corner.line);
-  section("corners", "The worst corners", table("Largest residuals of all cameras" + (has_lines ? "; the line is that of the corner file" : ""), [...(several ? ["camera"] : []), "image", "corner", "residual [px]", "times RMS", "u [px]", "v [px]", ...(has_lines ? ["line"] : []), ...(has_photos ? ["picture"] : [])],
+  section("corners", "The worst corners", table("Largest residuals of all cameras" + (has_lines ? "; line: in the corner file" : ""), [...(several ? ["camera"] : []), "image", "corner", "residual [px]", "times RMS", "u [px]", "v [px]", ...(has_lines ? ["line"] : []), ...(has_photos ? ["picture"] : [])],
     data.worst.map(corner => {
       const camera = data.cameras[corner.camera];
       const picture = corner.photo ? el("img", {class: "patch", src: corner.photo, alt: `Image ${corner.image} about corner ${corner.corner}`}) : "";
@@ -246,8 +247,8 @@ function method() {
   section("method", "How this was found", el("p", {},
     `${data.measurements} measurements, ${data.unknowns} unknowns, redundancy ${data.redundancy}; the fit ended after ${plural(data.iterations, "iteration")}: ${data.stop_reason}. ` +
     `The statistics of this page took ${total < 0.01 ? "less than 0.01" : number(total)} s.`),
-  el("p", {}, "Projection uncertainty is what ", el("a", {href: "https://mrcal.secretsauce.net/uncertainty.html"}, "mrcal"),
-    " calls so, with the motion between two calibrations found by cross-reprojection of the boards. It and the gain of further views hold to first order and for " + (data.is_clustered ? "errors that images share, as clustered standard deviations" : "the stated noise") + "; they know nothing of a model that does not fit. That is what residuals and cross-validation are for."));
+  el("p", {}, "Projection uncertainty is defined as in ", el("a", {href: "https://mrcal.secretsauce.net/uncertainty.html"}, "mrcal"),
+    ", with the motion between two calibrations from cross-reprojection of the boards. The uncertainty and the gain of further views hold to first order and for " + (data.is_clustered ? "errors that images share, like clustered standard deviations" : "the stated noise") + ". They do not cover a model that does not fit; residuals and cross-validation show that."));
 }
 
 head();

@@ -1,7 +1,7 @@
-// Boards and cameras in space, which one can turn: a drawing on a canvas, far things first.
+// Boards and cameras in space, drawn on a canvas, far objects first. The user can turn the view.
 
 class Scene {
-  /// data: that of the page.
+  /// data: the data of the page.
   constructor(place, data) {
     this.data = data;
     this.canvas = el("canvas", {class: "scene", tabindex: "0", role: "img",
@@ -18,7 +18,7 @@ class Scene {
     drawings.push({redraw: () => this.redraw(), resize: () => this.redraw()});
   }
 
-  /// From the side and above, all of it in the picture.
+  /// Shows everything, seen from the side and above.
   home() { Object.assign(this, {turn: this.mode === "camera" ? 0.75 : 0.5, tilt: this.mode === "camera" ? 0.42 : 0.5, closer: 1, x: 0, y: 0, is_home: true}); }
   fit() {
     Object.assign(this, {closer: 1, x: 0, y: 0});
@@ -47,7 +47,7 @@ class Scene {
     this.redraw();
   }
 
-  // ---- what there is, in axes with y up
+  // ---- the objects, in axes with y up
   build() {
     const data = this.data, boards = data.images.list.filter(image => image.pose);
     const corners = [0, 3, 6, 9].map(i => data.board.slice(i, i + 3));
@@ -74,7 +74,7 @@ class Scene {
     const distances = this.points.map(p => Math.hypot(...p.map((x, i) => x - this.centre[i]))).sort((a, b) => a - b);
     this.size = distances[Math.floor(0.97 * (distances.length - 1))] || 1;
   }
-  /// A pyramid from the centre of projection to the image, `depth` before it.
+  /// Adds a pyramid from the centre of projection to the image, `depth` before it.
   addCamera(add, camera, depth, place, label, is_bad) {
     const [fx, fy, cx, cy] = camera.pinhole;
     const corner = (u, v) => place([(u - cx) / fx * depth, (v - cy) / fy * depth, depth]);
@@ -85,7 +85,7 @@ class Scene {
     add({points: [[...top]], colour, label, bold: this.mode === "camera"});
   }
 
-  // ---- how it is seen
+  // ---- the projection
   project(p) {
     const q = p.map((x, i) => x - this.centre[i]);
     const c = Math.cos(this.turn), s = Math.sin(this.turn), ct = Math.cos(this.tilt), st = Math.sin(this.tilt);
@@ -143,7 +143,7 @@ class Scene {
     for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, e => this.fingers.delete(e.pointerId));
     canvas.addEventListener("pointermove", e => this.drag(e));
     canvas.addEventListener("wheel", e => {
-      if (!e.ctrlKey && document.activeElement !== canvas) return;  // the page scrolls until the picture was clicked
+      if (!e.ctrlKey && document.activeElement !== canvas) return;  // the page scrolls until the picture is clicked
       e.preventDefault();
       this.zoom(Math.exp(-e.deltaY * (e.deltaMode === 1 ? 0.05 : 0.0015)));
       this.redraw();

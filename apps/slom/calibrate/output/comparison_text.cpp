@@ -8,7 +8,7 @@
 namespace slom::app::calib {
 namespace {
 
-/// A line of the table that begins with `name`.
+/// Returns a line of the table, which begins with `name`.
 std::string row(const std::string& name, const ModelTrial& trial, double standard_errors) {
   if (!trial.failure.empty()) return fmt::format("{}   no fit: {}\n", name, oneLine(trial.failure));
   return fmt::format("{}{:>10}{:>13.1f}{:>10.4f}{:>10.4f}{:>14.4f}{:>18.1f}\n", name, trial.unknowns,
@@ -32,8 +32,8 @@ std::string verdict(const Comparison& comparison) {
   if (!comparison.chosen) return cut_short.empty() ? "None of the models fits." : cut_short;
   const ModelTrial &chosen = comparison.chosenTrial(), &best = comparison.trials[*comparison.best];
   if (!cut_short.empty())
-    return cut_short + fmt::format("Of the models tried, the data carry {}.", chosen.model.name());
-  std::string text = fmt::format("The data carry {}: ", chosen.model.name());
+    return cut_short + fmt::format("Of the models tried, the data support {}.", chosen.model.name());
+  std::string text = fmt::format("The data support {}: ", chosen.model.name());
   if (comparison.chosen == comparison.best)
     return text + "it predicts best, and none with fewer parameters comes within two standard errors.";
   return text +
@@ -52,10 +52,11 @@ std::string verdictOnShape(const Comparison& comparison) {
   if (!comparison.chosen) return cut_short.empty() ? "None of the shapes can be fitted." : cut_short;
   const BoardShape chosen = comparison.chosenTrial().board_shape;
   if (!cut_short.empty())
-    return cut_short + fmt::format("Of those tried, the data ask for {}.", wordsFor(chosen));
-  if (chosen == BoardShape::flat) return "The data do not ask for another board than the stated one.";
+    return cut_short + fmt::format("Of the shapes tried, the data support {}.", wordsFor(chosen));
+  if (chosen == BoardShape::flat) return "The data support no other board than the stated one.";
   return fmt::format(
-      "The data ask for {}: other images are predicted better with it than as stated, by more than two standard errors.",
+      "The data support {}: it predicts other images better than the stated board, by more than two "
+      "standard errors.",
       wordsFor(chosen));
 }
 
@@ -95,11 +96,11 @@ std::string noiseText(const NoiseComparison& comparison, const Result& result) {
   return text +
          bulleted(
              comparison.chosen == SigmaBy::constant
-                 ? "The residuals of some images do not say how large those of others are: the noise is constant."
-                 : fmt::format(
-                       "The noise grows with {}: residuals of some images say how large those of others are, "
-                       "by more than two standard errors.",
-                       toString(comparison.chosen)));
+                 ? "The noise is constant: residuals of some images do not predict how large those of "
+                   "others are."
+                 : fmt::format("The noise grows with {}: residuals of some images predict how large those of "
+                               "others are, by more than two standard errors.",
+                               toString(comparison.chosen)));
 }
 
 std::string readoutText(const std::vector<std::optional<ReadoutTrial>>& trials, const Result& result) {
@@ -116,8 +117,8 @@ std::string readoutText(const std::vector<std::optional<ReadoutTrial>>& trials, 
     text += fmt::format("  {:<20}{:>12.4f}{:>12}{:>14.4f}\n", result.cameras[c].name, trial.readout.value,
                         "+- " + twoDigits(trial.readout.std_clustered), trial.probability);
   }
-  return text + bulleted(is_found ? "Rows are read out one after the other: the time is estimated."
-                                  : "Nothing says that rows are read out one after the other.");
+  return text + bulleted(is_found ? "Rows are read one after the other; the time is estimated."
+                                  : "There is no sign that rows are read one after the other.");
 }
 
 }  // namespace slom::app::calib

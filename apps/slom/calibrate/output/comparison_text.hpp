@@ -1,4 +1,4 @@
-// Compared models as people read them.
+// Texts about compared models.
 #pragma once
 
 #include <optional>
@@ -9,13 +9,13 @@
 
 namespace slom::app::calib {
 
-/// A table, and which model to take.
+/// Returns a table, and which model to take.
 std::string comparisonText(const Comparison& comparison);
-/// The same of the shapes of the board.
+/// Returns a table for shapes of the board, and which shape to take.
 std::string boardShapesText(const Comparison& comparison);
-/// The same of what the noise grows with.
+/// Returns a table for quantities that the noise may grow with, and which one to take.
 std::string noiseText(const NoiseComparison& comparison, const Result& result);
-/// The same of the readout of rows, by camera.
+/// Returns a table for the readout of rows, by camera, and whether there is one.
 std::string readoutText(const std::vector<std::optional<ReadoutTrial>>& trials, const Result& result);
 
 }  // namespace slom::app::calib

@@ -72,7 +72,7 @@ void requireImageSizes(const CommandSettings& settings, const std::vector<Camera
   for (const CameraData& camera : cameras) {
     if (camera.image_size) continue;
     throw UserError(fmt::format(
-        "--output {}: {} stores the size of the images, which {} does not say; give it as in --image-size "
+        "--output {}: {} needs the image size, which {} does not state; give it, as in --image-size "
         "{}=640x480",
         settings.yaml_file, settings.format == OutputFormat::kalibr ? "a camchain" : "camera_info",
         camera.file, camera.name));

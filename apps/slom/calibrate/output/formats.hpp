@@ -1,4 +1,4 @@
-// The calibration in the formats that other programs read.
+// The calibration in the formats of other programs.
 #pragma once
 
 #include <optional>
@@ -9,31 +9,31 @@
 
 namespace slom::app::calib {
 
-/// A file and what is in it.
+/// A file and its content.
 struct OutputText {
   std::string file;
   std::string text;
 };
 
-/// The files of --output.
+/// Returns the files of --output.
 std::vector<OutputText> outputTexts(const Result& result, const CommandSettings& settings);
 
-/// The lens as the readers of a format describe it; nothing where they know no such model.
+/// Returns the lens as the readers of a format describe it; nothing if they know no such model.
 std::optional<ForeignLens> lensFor(OutputFormat format, const Model& model,
                                    const std::vector<double>& parameters);
-/// The lens of a camera whose model the readers know.
+/// Returns the lens of a camera whose model the readers know.
 ForeignLens lensFor(OutputFormat format, const CameraResult& camera);
 
-/// UserError when the readers of the format do not know the model.
+/// Throws UserError if the readers of the format do not know the model.
 void requireModelOf(const CommandSettings& settings);
 
-/// UserError when the format stores the size of the images and it is unknown.
+/// Throws UserError if the format stores the size of the images and the size is unknown.
 void requireImageSizes(const CommandSettings& settings, const std::vector<CameraData>& cameras);
 
-/// ROS camera_info of one camera.
+/// Returns ROS camera_info of one camera.
 std::string toRosYaml(const CameraResult& camera);
 
-/// Kalibr's camchain of all cameras; camera n is given from camera n - 1.
+/// Returns Kalibr's camchain of all cameras. Camera n is given relative to camera n - 1.
 std::string toKalibrYaml(const Result& result);
 
 }  // namespace slom::app::calib

@@ -241,7 +241,7 @@ Json downweightedJson(const Downweighted& down) {
           {"least_weight", down.least}, {"mean_weight", down.mean},  {"over_curvature", down.over_curvature}};
 }
 
-/// How image numbers that are time stamps were paired.
+/// Returns how image numbers that are time stamps were paired.
 Json stampsJson(const ImageNumbers& numbers) {
   if (!numbers.areStamps()) return {};
   return {{"paired_images", numbers.paired()},

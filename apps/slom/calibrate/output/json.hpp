@@ -7,7 +7,8 @@
 
 namespace slom::app::calib {
 
-/// All digits of all numbers; what is not determined is null. `numbers`: how time stamps of the files were paired.
+/// Returns all numbers with all digits; undetermined ones are null. `numbers`: how time stamps of the files were
+/// paired.
 std::string toJson(const Result& result, const ImageNumbers& numbers = {});
 
 }  // namespace slom::app::calib

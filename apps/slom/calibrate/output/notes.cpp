@@ -30,7 +30,7 @@ void noteDetermination(const Result& result, std::vector<std::string>& notes) {
 void noteBounds(const Result& result, std::vector<std::string>& notes) {
   for (const std::string& bound : result.active_bounds) {
     notes.push_back(
-        fmt::format("{}, which --bound sets; the standard deviations hold on that condition.", bound));
+        fmt::format("{}, which --bound sets; the standard deviations hold if it stays there.", bound));
   }
 }
 
@@ -38,7 +38,7 @@ std::string imageAndPhoto(int image, const std::string& photo) {
   return photo.empty() ? fmt::format("{}", image) : fmt::format("{} ({})", image, oneLine(photo));
 }
 
-/// `image 4 (b.png) repeats image 1 (a.png)`, and in how many corners where it is not in all.
+/// Returns `image 4 (b.png) repeats image 1 (a.png)`, and in how many corners if not in all.
 std::string repetition(const Copy& copy) {
   const std::string part = copy.equal_corners < copy.corners
                                ? fmt::format(" in {} of {} corners", copy.equal_corners, copy.corners)
@@ -61,7 +61,7 @@ void noteCopies(const Result& result, std::vector<std::string>& notes) {
     }
     const std::size_t more = camera.copies.size() - named.size();
     notes.push_back(fmt::format(
-        "Of camera {}, {}{} to within {:.3f} px, so {} left out: a copy is not a second measurement.{}",
+        "Camera {}: {}{} to within {:.3f} px, so {} left out; a copy is not a second measurement.{}",
         camera.name, fmt::join(named, ", "), more > 0 ? fmt::format(" and {} more repeat others", more) : "",
         difference, camera.copies.size() == 1 ? "it is" : "they are",
         has_readings ? " Readings of the IMU that belong to no other image are left out, too." : ""));
@@ -73,19 +73,20 @@ void noteDenominator(const Result& result, std::vector<std::string>& notes) {
   const Model model(result.cameras.front().model);
   if (result.board) {
     notes.push_back(fmt::format(
-        "Numerator and denominator of {} can do the same, and so can a board whose shape is unknown. {} were therefore held at 0 +- {:g} each, and the "
-        "standard deviations hold on that condition.",
+        "Numerator and denominator of {} can have the same effect, and so can a board of unknown shape. "
+        "{} were therefore held at 0 +- {:g} each; the standard deviations hold if they stay there.",
         model.name(), fmt::join(model.heldNearZero(), ", "), *result.sigma_denominator));
     return;
   }
   notes.push_back(fmt::format(
-      "The images leave open what {} are, because numerator and denominator of {} do the same on them. "
-      "These were held at 0 +- {:g} each, and the standard deviations hold on that condition. A model with fewer "
-      "parameters says as much: --intrinsics opencv5, or --compare.",
+      "The images do not determine {}, because numerator and denominator of {} have the same effect "
+      "there. These were held at 0 +- {:g} each; the standard deviations hold if they stay there. A model "
+      "with fewer parameters does as well: --intrinsics opencv5, or --compare.",
       fmt::join(model.heldNearZero(), ", "), model.name(), *result.sigma_denominator));
 }
 
-/// `squares`: sum of squared residuals of one kind, to which `unknowns` of the fit belong.
+/// Notes residuals that contradict a stated sigma. `squares`: sum of squared residuals of one kind, to which
+/// `unknowns` of the fit belong.
 void noteSigma(const char* what, const char* option, double stated, double squares, double residuals,
                double unknowns, std::vector<std::string>& notes) {
   if (!(squares > 0) || residuals <= unknowns) return;
@@ -93,8 +94,8 @@ void noteSigma(const char* what, const char* option, double stated, double squar
   if (std::abs(std::log(observed / stated)) < std::log(sigma_mismatch)) return;
   const bool larger = observed > stated;
   notes.push_back(
-      fmt::format("The residuals of {} are {:.1f} times {} than {} {:g} says; {} {} would fit them{}. The "
-                  "stated standard deviations are those of the stated sigmas.",
+      fmt::format("The residuals of {} are {:.1f} times {} than {} {:g} predicts; {} {} would fit them{}. "
+                  "The stated standard deviations follow from the stated sigmas.",
                   what, larger ? observed / stated : stated / observed, larger ? "larger" : "smaller", option,
                   stated, option, twoDigits(observed),
                   larger ? ", unless the model is too simple or the worst images are wrong" : ""));
@@ -106,7 +107,7 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
     squares += camera.rms_px * camera.rms_px * double(camera.corners);
     corners += double(camera.corners);
   }
-  // A loss looks away from large residuals: what most corners show is what counts.
+  // A loss downweights large residuals, so the noise of most corners is compared.
   if (result.downweighted)
     squares = std::pow(result.downweighted->noise_px, 2) * std::max(0.0, 2 * corners - result.unknowns);
   double of_imu = 0;  // unknowns that the readings alone determine
@@ -120,12 +121,13 @@ void noteSigmas(const Result& result, std::vector<std::string>& notes) {
             3 * readings, of_imu, notes);
 }
 
-/// The name of the other camera, where there are two.
+/// Returns the name of the other one of two cameras.
 const std::string& otherThan(const std::string& name, const Result& result) {
   return result.cameras.front().name == name ? result.cameras.back().name : result.cameras.front().name;
 }
 
-/// Cameras most of whose views contradict the others, one note for each; the strays of the others.
+/// Notes cameras most of whose views contradict the others, one note for each. Returns the strays of the other
+/// cameras.
 std::vector<Stray> noteWrongNumbers(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t fewest = 3;
   std::vector<Stray> rest = result.strays;
@@ -144,15 +146,15 @@ std::vector<Stray> noteWrongNumbers(const Result& result, std::vector<std::strin
     });
     if (known != rest.end()) {
       notes.push_back(fmt::format(
-          "{} of the {} images of camera {} contradict those of the other cameras: {}. Count its corners from the same end "
-          "as the other cameras do, or take a board that looks different from each end.",
+          "{} of the {} images of camera {} contradict those of the other cameras: {}. Count its corners "
+          "from the same end as for the other cameras, or use a board that looks different from each end.",
           own, camera.images, camera.name, known->why));
       std::erase_if(rest, is_own);
       continue;
     }
     notes.push_back(fmt::format(
-        "{} of the {} images of camera {} contradict those of {}: where these put them, their corners are {} to {} px off. Image numbers or time stamps of "
-        "this camera do not belong to those of {}; correct them.",
+        "{} of the {} images of camera {} contradict those of {}, by {} to {} px. Image numbers or time "
+        "stamps of this camera do not match those of {}; correct them.",
         own, camera.images, camera.name,
         result.cameras.size() == 2 ? "camera " + otherThan(camera.name, result) : "the other cameras",
         fixedDecimals(errors.front(), 0), fixedDecimals(errors.back(), 0),
@@ -162,26 +164,26 @@ std::vector<Stray> noteWrongNumbers(const Result& result, std::vector<std::strin
   return rest;
 }
 
-/// Views that the values are without.
+/// Notes a view that the fit leaves out.
 void noteLeftOut(const Stray& stray, const Result& result, std::vector<std::string>& notes) {
   const std::string name = result.cameras.size() > 1 ? stray.camera + "." : "";
   if (stray.is_mirrored) {
     notes.push_back(fmt::format(
-        "Image {} of camera {}{} contradicts the others: {}. The values here are without it: leave it out by --exclude {}{}, or correct "
-        "it.",
+        "Image {} of camera {}{} contradicts the others: {}. The fit left it out; pass --exclude {}{} or "
+        "correct it.",
         stray.image, stray.camera, stray.photo.empty() ? "" : " (" + oneLine(stray.photo) + ")", stray.why,
         name, stray.image));
     return;
   }
   notes.push_back(fmt::format(
-      "Image {} of camera {}{} contradicts the others: no pose brings its corners nearer than {} px (RMS){}. The values here are "
-      "without it: leave it out by --exclude {}{}, or correct it.",
+      "Image {} of camera {}{} contradicts the others: in its best pose, corners are {} px off (RMS){}. "
+      "The fit left it out; pass --exclude {}{} or correct it.",
       stray.image, stray.camera, stray.photo.empty() ? "" : " (" + oneLine(stray.photo) + ")",
       twoDigits(stray.error_px), stray.why.empty() ? "" : "; " + stray.why, name, stray.image));
 }
 
 void noteStrays(const Result& result, std::vector<std::string>& notes) {
-  constexpr std::size_t most = 4;  // one by one
+  constexpr std::size_t most = 4;  // named one by one
   std::vector<Stray> strays = noteWrongNumbers(result, notes);
   for (const Stray& stray : strays) {
     if (stray.is_left_out) noteLeftOut(stray, result, notes);
@@ -192,25 +194,25 @@ void noteStrays(const Result& result, std::vector<std::string>& notes) {
       std::vector<std::string> more;
       for (std::size_t i = most; i < strays.size(); ++i)
         more.push_back(fmt::format("{}.{}", strays[i].camera, strays[i].image));
-      notes.push_back(
-          fmt::format("{} contradict the others in the same way: {}.",
-                      more.size() == 1 ? "1 more view" : fmt::format("{} more views", more.size()),
-                      fmt::join(more, ", ")));
+      notes.push_back(fmt::format(
+          "{} the others in the same way: {}.",
+          more.size() == 1 ? "1 more view contradicts" : fmt::format("{} more views contradict", more.size()),
+          fmt::join(more, ", ")));
       break;
     }
     const bool is_alone = result.cameras.size() == 1;
     const std::string question =
-        is_alone
-            ? fmt::format("Leave it out (--exclude {}), or look", stray.image)
-            : fmt::format(
-                  "Was it taken at the same time as image {} of {}? If not, leave it out (--exclude {}.{}) or correct its number. Otherwise look",
-                  stray.image,
-                  result.cameras.size() == 2 ? "camera " + otherThan(stray.camera, result)
-                                             : "the other cameras",
-                  stray.camera, stray.image);
+        is_alone ? fmt::format("Leave it out (--exclude {}), or check", stray.image)
+                 : fmt::format(
+                       "Was it taken at the same time as image {} of {}? If not, leave it out (--exclude "
+                       "{}.{}) or correct its number. Otherwise check",
+                       stray.image,
+                       result.cameras.size() == 2 ? "camera " + otherThan(stray.camera, result)
+                                                  : "the other cameras",
+                       stray.camera, stray.image);
     notes.push_back(fmt::format(
-        "Image {} of camera {}{} contradicts the others: where they put it, its corners are {} px off. {} whether its corners "
-        "were taken for their neighbours, a row or column further{}.",
+        "Image {} of camera {}{} contradicts the others by {} px. {} whether its corners were taken for "
+        "their neighbours, a row or column further{}.",
         stray.image, stray.camera, stray.photo.empty() ? "" : " (" + oneLine(stray.photo) + ")",
         fixedDecimals(stray.error_px, 0), question,
         result.cameras.front().board_symmetry > 1
@@ -226,7 +228,7 @@ void noteCauses(const Result& result, std::vector<std::string>& notes) {
     notes.push_back(capitalised(causeText(result)) + ".");
 }
 
-/// Single corners that lie much farther off than the worst ones of most images.
+/// Notes single corners that lie much farther off than the worst ones of most images.
 void noteCorners(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t least_images = 4;
   constexpr double much = 4;
@@ -239,17 +241,16 @@ void noteCorners(const Result& result, std::vector<std::string>& notes) {
     const WorstCorner& corner = image.worst_corner;
     if (!(corner.error_px > much * *middle)) continue;
     notes.push_back(fmt::format(
-        "Corner {} of image {} of camera {} ({}) lies {:.1f} px from where the fit puts it; the worst "
-        "corners of "
-        "most images are off by {:.1f} px. It was found wrongly: correct it, or leave it out by --exclude "
-        "{}{}:{}.",
+        "Corner {} of image {} of camera {} ({}) is {:.1f} px from where the fit puts it; the worst "
+        "corners of most images are {:.1f} px off. The corner was found wrongly: correct it or pass "
+        "--exclude {}{}:{}.",
         corner.number, image.image, result.cameras[corner.camera].name, oneLine(corner.place),
         corner.error_px, *middle, result.cameras.size() > 1 ? result.cameras[corner.camera].name + "." : "",
         image.image, corner.number));
   }
 }
 
-/// Corners that the fit does without.
+/// Notes corners that the fit leaves out.
 void noteRejected(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t most = 5;  // named one by one
   if (result.rejected.empty()) return;
@@ -262,13 +263,13 @@ void noteRejected(const Result& result, std::vector<std::string>& notes) {
   }
   const std::size_t more = result.rejected.size() - named.size();
   notes.push_back(fmt::format(
-      "{} left out of the fit, as the others contradict {}: {}{}. --robust none keeps {}.",
+      "{} left out of the fit, because the others contradict {}: {}{}. --robust none keeps {}.",
       result.rejected.size() == 1 ? "One corner was" : fmt::format("{} corners were", result.rejected.size()),
       result.rejected.size() == 1 ? "it" : "them", fmt::join(named, ", "),
       more > 0 ? fmt::format(", and {} more", more) : "", result.rejected.size() == 1 ? "it" : "them"));
 }
 
-/// Corners that the fit follows, so that their residuals do not show how wrong they are.
+/// Notes corners that the fit follows, so that their residuals hide how wrong they are.
 void noteLeverage(const Result& result, std::vector<std::string>& notes) {
   constexpr std::size_t most = 5;  // named one by one
   constexpr double hidden = 1.5;   // error without the corner over its residual
@@ -277,14 +278,14 @@ void noteLeverage(const Result& result, std::vector<std::string>& notes) {
     if (!(corner.error_without_px > hidden * corner.error_px) || ++count > most) continue;
     const std::string& camera = result.cameras[corner.camera].name;
     notes.push_back(fmt::format(
-        "Corner {0} of image {1} of camera {2} ({3}) draws the fit to itself: with it, it lies {4:.1f} px off, without it {5:.1f} px. "
-        "Look at it, or leave it out by --exclude {6}{1}:{0}.",
+        "Corner {0} of image {1} of camera {2} ({3}) pulls the fit towards it: it is {4:.1f} px off, and "
+        "{5:.1f} px in a fit without it. Check it or pass --exclude {6}{1}:{0}.",
         corner.number, corner.image, camera, oneLine(corner.place), corner.error_px, corner.error_without_px,
         result.cameras.size() > 1 ? camera + "." : ""));
   }
   if (count > most)
     notes.push_back(
-        fmt::format("{} more corners draw the fit to themselves; the JSON lists them.", count - most));
+        fmt::format("{} more corners pull the fit towards them; the JSON lists them.", count - most));
 }
 
 void noteTogether(const Result& result, std::vector<std::string>& notes) {
@@ -302,34 +303,35 @@ void noteImu(const Result& result, std::vector<std::string>& notes) {
   for (const ImuFinding& finding : imuFindings(result)) {
     const std::string remedy =
         finding.kind == ImuFinding::Kind::weak
-            ? "The table of the imu says what --fix gravity=9.81 or --fix acc_bias=X,Y,Z would bring; images "
-              "with more tilt, about both axes, help without assuming anything"
+            ? "The table of the imu shows the gain from --fix gravity=9.81 or --fix acc_bias=X,Y,Z; "
+              "images with more tilt, about both axes, help without such assumptions"
             : capitalised(remedyOf(finding, result));
     notes.push_back(fmt::format("{}. {}.", capitalised(finding.fault), remedy));
   }
 }
 
-/// By how much errors that images share make the clustered standard deviations larger, and what limits them.
+/// Notes by how much shared errors enlarge the clustered standard deviations, and the limits of these.
 void noteClustered(const Result& result, std::vector<std::string>& notes) {
   constexpr double worth_a_note = 1.5;
   if (!result.clustered) return;
   const ClusteredUncertainty& clustered = *result.clustered;
   if (clustered.isReliable() && clustered.ratio > worth_a_note) {
     notes.push_back(fmt::format(
-        "Errors are not independent: over all parameters the clustered standard deviations are {} times the stated ones. Errors that "
-        "the corners of an image share account for a factor of {}{}{}. Where they are larger, trust the clustered ones.",
+        "Errors are not independent: over all parameters, the clustered standard deviations are {} times "
+        "the stated ones. Errors shared within an image give a factor of {}{}{}. If the clustered ones "
+        "are larger, trust them.",
         fixedDecimals(clustered.ratio, 1), fixedDecimals(clustered.ratio_by_image, 1),
-        clustered.block_length > 1 ? fmt::format(", with those that successive images share {}",
+        clustered.block_length > 1 ? fmt::format(", with errors shared by successive images {}",
                                                  fixedDecimals(clustered.ratio_by_block, 1))
                                    : "",
-        clustered.board_points > 0 ? fmt::format(", with those at the same corner of the board {}",
+        clustered.board_points > 0 ? fmt::format(", with errors at the same corner of the board {}",
                                                  fixedDecimals(clustered.ratio, 1))
                                    : ""));
   }
   for (std::string& sentence : sentencesOf(clustered)) notes.push_back(std::move(sentence));
 }
 
-/// Why errors are not independent, as far as residuals show it.
+/// Notes why errors are not independent, as far as residuals show it.
 void notePatterns(const Result& result, std::vector<std::string>& notes) {
   if (!result.quality) return;
   for (const ResidualPattern& pattern : result.quality->patterns) {

@@ -1,4 +1,4 @@
-// What the numbers mean for what to do next: sentences for the end of the report.
+// Notes at the end of the report: what the numbers mean for the next step.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace slom::app::calib {
 
-/// Each one a sentence or two: views that repeat others, residuals that do not fit the stated sigmas, cameras
-/// that fit worse as a rig than as single cameras, what the data hardly determine, a sign of gravity that is open.
+/// Returns the notes, a sentence or two each: views that repeat others, residuals that contradict the stated sigmas,
+/// cameras that fit worse as a rig than alone, poorly determined parameters, an open sign of gravity.
 std::vector<std::string> notes(const Result& result);
 
 }  // namespace slom::app::calib

@@ -105,7 +105,7 @@ Json patternsJson(const Result& result) {
                  {"camera", result.cameras[pattern.camera].name},
                  {"is_found", pattern.isFound()},
                  {"value", pattern.value},
-                 {"share", pattern.share},  // null: it compares sizes of residuals
+                 {"share", pattern.share},  // null: this pattern compares sizes of residuals
                  {"probability", pattern.probability},
                  {"blocks", pattern.blocks},
                  {"sentence", sentenceOf(pattern, result)}};

@@ -7,7 +7,7 @@
 
 namespace slom::app::calib {
 
-/// `result.quality` must be there.
+/// Returns the quality. `result.quality` must be set.
 nlohmann::ordered_json qualityJson(const Result& result);
 
 }  // namespace slom::app::calib

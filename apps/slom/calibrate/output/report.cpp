@@ -20,13 +20,13 @@
 namespace slom::app::calib {
 namespace {
 
-/// `+- 0.81`; what is fixed has no standard deviation.
+/// Returns `+- 0.81`. A fixed value has no standard deviation.
 std::string plusMinus(double value, double std) {
   const ValueText text = withStd(value, std);
   return std > 0 && std::isfinite(std) ? "+- " + text.std : text.std;
 }
 
-/// `  name        value +- std        +- clustered  unit`, without the second column where there is none.
+/// Returns `  name        value +- std        +- clustered  unit`, without the second column if there is none.
 std::string valueLine(const std::string& name, double value, double std, double clustered,
                       const std::string& unit) {
   const std::string second = std > 0 && !std::isnan(clustered) ? plusMinus(value, clustered) : "";
@@ -47,7 +47,7 @@ std::string vectorLines(const std::string& name, const vec3& value, const vec3& 
   return text;
 }
 
-/// A rotation as its rotation vector, with the standard deviations of that.
+/// Returns the lines of a rotation: its rotation vector with standard deviations.
 std::string rotationLines(const SO3& R, const vec3& std, const vec3& clustered) {
   return vectorLines("rotation", vec3(SO3::log(R) * degrees), vec3(std * degrees), vec3(clustered * degrees),
                      "deg");
@@ -87,7 +87,7 @@ std::string cameraLines(const Result& result, const CameraResult& camera) {
                               camera.rotation_vector_clustered.std);
 }
 
-/// What is known how well, and what fixing would bring: largest standard deviations of the axes.
+/// Returns a table with the largest standard deviations of the axes, now and with gravity or acc_bias fixed.
 std::string precisionTable(const ImuResult& imu) {
   const auto row = [&](const char* name, const char* unit, double scale, double ImuPrecision::*what) {
     std::string text = fmt::format("    {:<10}{:<8}", name, unit);
@@ -120,7 +120,7 @@ std::string boardLines(const FittedBoard& board) {
                                         [](const MovedCorner& a, const MovedCorner& b) {
                                           return a.displacement.norm() < b.displacement.norm();
                                         });
-  std::string text = fmt::format("\nboard: {}, {}, RMS from where they are stated: {} mm off the plane",
+  std::string text = fmt::format("\nboard: {}, {}, RMS from their stated positions: {} mm off the plane",
                                  toString(board.shape), plural(board.corners.size(), "corner"),
                                  twoDigits(mm * board.off_plane));
   if (board.shape == BoardShape::free)
@@ -157,22 +157,22 @@ std::string worstLines(const Result& result) {
   return text;
 }
 
-/// The first of `names`, and how many more there are.
+/// Returns the first of `names`, and the number of the others.
 std::string abridged(std::vector<std::string> names) {
-  constexpr std::size_t most = 12;  // in a line
+  constexpr std::size_t most = 12;  // names in a line
   const std::size_t more = names.size() - std::min(most, names.size());
   names.resize(names.size() - more);
   return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
-/// Photographs and copies that were left out, by reason.
+/// Returns the photographs and copies that were left out, by reason.
 std::string unusedText(const CameraData& camera) {
   std::map<std::string, std::vector<std::string>> files;
   for (const UnusedPhoto& photo : camera.unused)
-    files["as it " + photo.reason].push_back(oneLine(photo.file));
+    files["because it " + photo.reason].push_back(oneLine(photo.file));
   for (const Copy& copy : camera.copies)
-    files["as it repeats another image"].push_back(copy.photo.empty() ? fmt::format("image {}", copy.image)
-                                                                      : oneLine(copy.photo));
+    files["because it repeats another image"].push_back(
+        copy.photo.empty() ? fmt::format("image {}", copy.image) : oneLine(copy.photo));
   for (const Exclusion& one : camera.excluded)
     files["by --exclude"].push_back(one.corner ? fmt::format("corner {} of image {}", *one.corner, one.image)
                                                : fmt::format("image {}", one.image));
@@ -182,7 +182,7 @@ std::string unusedText(const CameraData& camera) {
   return text;
 }
 
-/// Images that none of the other cameras has: they say nothing of where the cameras are.
+/// Returns the images that no other camera has. They do not help to place the cameras.
 std::string aloneText(const Dataset& data, const CameraData& camera) {
   std::vector<std::string> images;
   for (const View& view : camera.views) {
@@ -196,7 +196,8 @@ std::string aloneText(const Dataset& data, const CameraData& camera) {
                      images.size() == 1 ? "image" : "images", abridged(std::move(images)));
 }
 
-/// How large the board is: by a slip of its unit all distances would be wrong, and a camera alone would come out the same.
+/// Returns the size of the board. With a wrong unit, all distances would be wrong, but a single camera would come out
+/// the same.
 std::string boardText(const Dataset& data) {
   const auto less = [](const vec3& a, const vec3& b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
@@ -213,12 +214,12 @@ std::string boardText(const Dataset& data) {
       return (a - origin).squaredNorm() < (b - origin).squaredNorm();
     });
   };
-  const vec3 one = farthestFrom(*points.begin());  // at one end of the board, whatever its axes
+  const vec3 one = farthestFrom(*points.begin());  // at one end of the board, for any axes
   return fmt::format("  {:<10}{:>5} points{:20}{:.3g} m across\n", "board", points.size(), "",
                      (farthestFrom(one) - one).norm());
 }
 
-/// Returns the verdict on a usable result. The command ends with a reason instead if the result is not usable.
+/// Returns the verdict on a usable result. If the result is not usable, the command ends with a reason instead.
 std::string verdictLines(const Result& result) {
   if (!result.quality || !result.success() || !unsoundnessOf(result).isNone()) return "";
   const Verdict verdict = verdictOf(result);
@@ -251,7 +252,7 @@ std::string aloneHeader(const CommandSettings& settings) {
 std::string singleCameraText(const SingleCameraReport& alone) {
   const std::string outcome = alone.converged ? fmt::format("RMS {:.4f} px after {}", alone.rms_px,
                                                             plural(alone.iterations, "iteration"))
-                                              : "no fit of its own, goes on with the start values";
+                                              : "no fit alone, start values are used";
   return fmt::format("  {:<10}{}; start: {}\n", alone.camera->name, outcome, alone.start);
 }
 

@@ -1,4 +1,4 @@
-// The result as people read it.
+// The result as text for people.
 #pragma once
 
 #include <string>
@@ -7,16 +7,16 @@
 
 namespace slom::app::calib {
 
-/// What was read: cameras, images, corners, readings.
+/// Returns a summary of the data: cameras, images, corners, readings.
 std::string dataText(const Dataset& data);
 
-/// What comes next: each camera's own fit.
+/// Returns the header before the fits of single cameras.
 std::string aloneHeader(const CommandSettings& settings);
 
-/// One line for a camera's own fit.
+/// Returns one line about a camera's own fit.
 std::string singleCameraText(const SingleCameraReport& alone);
 
-/// Everything that came out.
+/// Returns the whole report.
 std::string reportText(const Result& result);
 
 }  // namespace slom::app::calib

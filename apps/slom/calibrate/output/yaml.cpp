@@ -5,7 +5,7 @@
 namespace slom::app::calib {
 namespace {
 
-/// A matrix as `key`, in OpenCV's notation, one row a line.
+/// Returns a matrix as `key`, in OpenCV's notation, one row per line.
 std::string matrix(const std::string& indent, const std::string& key, const Eigen::MatrixXd& m) {
   std::string text =
       fmt::format("{0}{1}: !!opencv-matrix\n{0}   rows: {2}\n{0}   cols: {3}\n{0}   dt: d\n{0}   data: [",

@@ -9,7 +9,7 @@
 
 namespace slom::app::calib {
 
-/// In one line, each with as many digits as it takes to read the same number again.
+/// Numbers in one line, each with as many digits as are needed to read the same number again.
 struct YamlNumbers {
   Eigen::VectorXd values;
 };

@@ -11,11 +11,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Share of a pattern that must be left where poses and shared parameters have followed it.
-/// Where cells are many, what they take from each other is not seen.
+/// Fraction of a pattern that must remain after poses and shared parameters have followed it. With many cells, the
+/// part that they take from each other is not accounted for.
 constexpr double least_visible = 1e-3, least_visible_of_one = 1e-8;
 
-/// The inverse of N on the directions that are visible beside `square`, 0 on others.
+/// Returns the inverse of N on the directions that are visible relative to `square`, 0 on others.
 MatrixXd visibleInverse(const MatrixXd& N, const VectorXd& square, double least) {
   const VectorXd scale = square.unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 0.0; });
   const SymmetricEigen eigen = eigenOf(scaledOnBothSides(N, scale));
@@ -26,7 +26,7 @@ MatrixXd visibleInverse(const MatrixXd& N, const VectorXd& square, double least)
 
 constexpr double rounding = 1e-9;  // relative
 
-/// -1 where the bit is set.
+/// Returns -1 where a bit is set, 1 elsewhere.
 VectorXd signsOf(long bits, Index count) {
   VectorXd signs(count);
   for (Index i = 0; i < count; ++i) signs[i] = (bits >> i & 1) != 0 ? -1 : 1;
@@ -38,7 +38,7 @@ VectorXd signsOf(long bits, Index count) {
 double FlipTest::probability() const {
   const double observed = products_.sum() * (1 - rounding);
   long as_much = 0;
-  const long all = 1L << (products_.rows() - 1);  // the first keeps its sign
+  const long all = 1L << (products_.rows() - 1);  // the first block keeps its sign
   for (long flips = 0; flips < all; ++flips) {
     const VectorXd signs = signsOf(2 * flips, products_.rows());
     as_much += signs.dot(products_ * signs) >= observed;

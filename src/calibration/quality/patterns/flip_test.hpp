@@ -1,12 +1,13 @@
-// Whether a pattern is in the residuals, tested by flipping signs.
+// A test for a pattern in the residuals, by flipping signs.
 //
-// A pattern is residuals F d with unknown d. Its score in a block of images is s_b = F_b^T e; without the pattern, each s_b may as
-// well have the other sign, whatever the errors within a block have in common. The statistic s^T N^-1 s, s = sum s_b, is
-// compared with what all signs of the blocks give. What poses and shared parameters have taken out of e is taken out of F too:
+// A pattern is residuals F d with unknown d. Its score in a block of images is s_b = F_b^T e. Without the pattern,
+// each s_b is as likely with the other sign, whatever errors have in common within a block. The statistic s^T N^-1 s
+// with s = sum s_b is compared with its values for all signs of the blocks. Poses and shared parameters absorb a part
+// of e; the same part is removed from F:
 //   N = F^T (I - H) F,   s_b := F_b^T e - C^T Cov g_b,   C = J^T F,   g_b = J_b^T e
-// with J by the shared parameters, poses eliminated, and their covariance Cov.
-//   source   Hemerik, Goeman and Finos, "Robust testing in generalized linear models by sign flipping score contributions", Journal of the
-//            Royal Statistical Society B 82, 2020 (effective scores, section 3)
+// J is the derivative by the shared parameters with the poses eliminated, Cov their covariance.
+//   source   Hemerik, Goeman and Finos, "Robust testing in generalized linear models by sign flipping score
+//            contributions", Journal of the Royal Statistical Society B 82, 2020 (effective scores, section 3)
 #pragma once
 
 #include <utility>
@@ -16,35 +17,37 @@
 
 namespace slom::calibration {
 
-/// The products of what blocks of images say, and what they amount to.
+/// The test, from products between the scores of blocks of images.
 class FlipTest {
  public:
-  /// products(a, b): what blocks a and b have in common, s_a^T N^-1 s_b.
+  /// Takes products(a, b) = s_a^T N^-1 s_b of blocks a and b.
   explicit FlipTest(Eigen::MatrixXd products) : products_(std::move(products)) {}
-  /// The share of all signs of the blocks that give as much or more.
+  /// Returns the p-value: the fraction of sign flips of the blocks with a statistic at least as large.
   double probability() const;
-  /// What the pattern explains of the squared residuals, without bias: blocks share nothing by chance.
+  /// Returns the part of the squared residuals that the pattern explains. Unbiased, because products of different
+  /// blocks have mean 0 without the pattern.
   double explained() const { return products_.sum() - products_.trace(); }
 
  private:
   Eigen::MatrixXd products_;
 };
 
-/// The share of all signs of these numbers that give as large a sum or a larger one: for a pattern that can have one sign only.
+/// Returns the fraction of sign flips of these numbers with a sum at least as large. Suits patterns that can have
+/// only one sign.
 double probabilityOfSum(const Eigen::VectorXd& sums);
 
 /// Derivatives of a corner's pixel by D unknowns.
 template <int D>
 using PatternRows = Eigen::Matrix<double, 2, D, Eigen::ColMajor, 2, D == Eigen::Dynamic ? 12 : D>;
 
-/// Scores of a pattern whose unknowns fall into cells that are estimated apart, d unknowns each.
+/// Scores of a pattern whose unknowns belong to separately estimated cells, d unknowns each.
 class PatternScores {
  public:
-  /// Of `shared` parameters.
+  /// Prepares the scores, for `shared` shared parameters.
   PatternScores(int cells, int unknowns, int blocks, int shared);
 
-  /// A residual e in the cell [px], weighted as in the fit. Its rows are: F by the cell's unknowns, `pose` by the pose of the image, `by_shared`
-  /// by the shared parameters, where the pose follows these.
+  /// Adds a residual e in the cell [px], weighted as in the fit. Its derivatives are F by the cell's unknowns, `pose`
+  /// by the pose of the image, and `by_shared` by the shared parameters, with the pose following these.
   template <int D>
   void add(int cell, int block, double weight, const Eigen::Vector2d& e, const PatternRows<D>& F,
            const Eigen::Matrix<double, 2, 6>& pose,
@@ -60,16 +63,16 @@ class PatternScores {
     own.is_touched = true;
     touched_.push_back(cell);
   }
-  /// After the corners of one view.
+  /// Must follow the corners of one view.
   void endView(const Eigen::Matrix<double, 6, 6>& pose_inverse);
-  /// After all views. `scores`: g_b of blocks, one column each.
+  /// Must follow all views. `scores`: g_b of blocks, one column each.
   void finish(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& scores);
 
-  /// products of FlipTest.
+  /// Returns the products for FlipTest.
   const Eigen::MatrixXd& products() const { return products_; }
-  /// N^-1 s_b of a cell; 0 in directions that the fit takes out.
+  /// Returns N^-1 s_b of a cell; 0 in directions that the fit absorbs.
   const Eigen::MatrixXd& estimates(int cell) const { return cells_[static_cast<std::size_t>(cell)].scores; }
-  /// N^-1 of a cell, likewise.
+  /// Returns N^-1 of a cell; 0 in directions that the fit absorbs.
   const Eigen::MatrixXd& covariance(int cell) const { return cells_[static_cast<std::size_t>(cell)].N; }
   int cells() const { return static_cast<int>(cells_.size()); }
 

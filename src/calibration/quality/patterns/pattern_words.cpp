@@ -14,10 +14,11 @@ namespace {
 using Kind = ResidualPattern::Kind;
 
 constexpr double by_chance = 0.005;  // probability
-// What matters less is found in many images, too.
+// Smaller patterns than these are significant in many images, too, but harmless.
 constexpr double correlated = 0.1;
-constexpr double part_of_points = 0.01;        // of points of the board, of which there are many
-constexpr double part_of_places = 0.002;       // what a lens cannot follow moves its parameters, too
+constexpr double part_of_points = 0.01;  // of the many points of the board
+constexpr double part_of_places =
+    0.002;  // the lens absorbs a part of such a pattern, which moves its parameters
 constexpr double part_of_one_unknown = 0.001;  // moves a calibration by many of its standard deviations
 constexpr double much_larger = 1.25;
 
@@ -66,59 +67,65 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
   switch (pattern.kind) {
     case Kind::neighbours:
       return fmt::format(
-          "residuals of neighbouring corners in images of {} have a correlation of {}: their errors are shared, as by blur, lighting or a lens "
-          "model that is too simple, so that many corners of an image say as much as a few independent ones",
+          "residuals of neighbouring corners in images of {} have a correlation of {}: they share errors, "
+          "for example from blur, lighting or a lens model that is too simple, so many corners of an "
+          "image count as a few independent ones",
           camera, fixedDecimals(value, 2));
     case Kind::board_shape:
       return fmt::format(
-          "in the images of {}, corners of the board are elsewhere than {}, the same in all images: by at least {} mm off its plane and {} mm within it "
-          "(RMS), {} of the squared residuals; {}",
+          "in all images of {}, the same corners of the board are displaced from their {} positions, by "
+          "at least {} mm off the plane and {} mm within it (RMS), which explains {} of the squared "
+          "residuals; {}",
           camera, result.board ? "fitted" : "stated", twoDigits(1e3 * value), twoDigits(1e3 * pattern.second),
           percent(pattern.share),
-          is_free
-              ? "what is known beforehand holds the free board back: state the noise that the residuals show (--sigma-px), or more for the board "
-                "(--sigma-board)"
-              : "have them estimated (--board-shape free), or lay the board on something flat, and measure what was printed");
+          is_free ? "the prior keeps the free board from following them: pass the noise that the residuals "
+                    "show (--sigma-px), or a larger --sigma-board"
+                  : "estimate the corners (--board-shape free), or lay the board on something flat and "
+                    "measure the print");
     case Kind::image_place:
       return fmt::format(
-          "residuals of {} depend on the place in the image, by {} px (RMS), {} of the squared residuals: the lens model does not "
-          "fit, which moves its parameters, too; try another one (--compare)",
+          "residuals of {} depend on the place in the image by {} px (RMS), which explains {} of the "
+          "squared residuals: the lens model does not fit, which also biases its parameters; try another "
+          "model (--compare)",
           camera, twoDigits(value), percent(pattern.share));
     case Kind::drift:
       return fmt::format(
-          "the lens of {} changes over the images: {} by {} from the first to the last, {} of the squared residuals; look for a focus that was moved, a camera "
-          "that warmed up, or a lens model that is too simple for images that change, too",
+          "the lens of {} changes over the images: {} by {} from the first to the last, which explains {} "
+          "of the squared residuals; check whether the focus moved, the camera warmed up, or the lens "
+          "model is too simple for images that change over time",
           camera, pattern.parameter, twoDigits(value), percent(pattern.share));
     case Kind::row_readout:
       return fmt::format(
-          "residuals of {} follow the motion by row, as if the last row were read out {} of the interval between image numbers after the first, {} of the squared "
-          "residuals: a rolling shutter; hold the camera still while it takes images, or have the time estimated (--rolling-shutter)",
+          "residuals of {} follow the motion by row, as if the last row were read {} of the interval "
+          "between image numbers after the first, which explains {} of the squared residuals: a rolling "
+          "shutter; hold the camera still while it takes images, or estimate the time (--rolling-shutter)",
           camera, twoDigits(value), percent(pattern.share));
     case Kind::time_offset:
       return fmt::format(
-          "residuals of {} follow the motion, as if it were {} of the interval between image numbers {} than {}, {} of the squared residuals: check the "
-          "time stamps, or hold the cameras still while they take images",
+          "residuals of {} follow the motion, as if it were {} of the interval between image numbers {} "
+          "than {}, which explains {} of the squared residuals; check the time stamps, or hold the "
+          "cameras still while they take images",
           camera, twoDigits(std::abs(value)), value > 0 ? "later" : "earlier", result.cameras.front().name,
           percent(pattern.share));
     case Kind::motion_blur:
       return fmt::format(
-          "in images of {} that move, residuals are {} times as large along the motion as across it: blur, or time stamps; use a shorter exposure, or hold the "
-          "camera still",
+          "in moving images of {}, residuals are {} times as large along the motion as across it, from "
+          "blur or wrong time stamps; use a shorter exposure, or hold the camera still",
           camera, fixedDecimals(value, 1));
     case Kind::speed:
       return fmt::format(
-          "residuals of {} are {} times as large in the quarter of its images with the fastest motion as in the slowest quarter, if image numbers are in the "
-          "order of time: leave fast ones out, or move less",
+          "residuals of {} are {} times as large in the fastest quarter of its images as in the slowest "
+          "one, if image numbers are in the order of time; leave out fast images, or move more slowly",
           camera, fixedDecimals(value, 1));
     case Kind::slant:
       return fmt::format(
-          "residuals of {} are {} times as large in the most slanted quarter of its images as in the most frontal one: corners are found less well "
-          "there than the stated sigma says",
+          "residuals of {} are {} times as large in the most slanted quarter of its images as in the most "
+          "frontal one: corners are less exact there than the stated sigma",
           camera, fixedDecimals(value, 1));
     case Kind::distance:
       return fmt::format(
-          "residuals of {} are {} times as large in the farthest quarter of its boards as in the nearest one: corners are found less well there "
-          "than the stated sigma says",
+          "residuals of {} are {} times as large in the farthest quarter of its boards as in the nearest "
+          "one: corners are less exact there than the stated sigma",
           camera, fixedDecimals(value, 1));
   }
   return "";

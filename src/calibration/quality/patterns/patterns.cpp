@@ -26,9 +26,9 @@ using Kind = ResidualPattern::Kind;
 
 constexpr int most_blocks = 12, fewest_blocks_to_flip = 9;
 constexpr int place_columns = 8, place_rows = 6;  // cells of the image
-constexpr double near = 1.2;                      // distance of a neighbour over that of the nearest one
+constexpr double near = 1.2;  // distance of a neighbour, divided by that of the nearest one
 
-/// Numbers the points of the board by where they are.
+/// Numbers the points of the board by their coordinates.
 class BoardPoints {
  public:
   int of(const Corner& corner) {
@@ -38,7 +38,7 @@ class BoardPoints {
   }
   const std::vector<MovedCorner>& all() const { return all_; }
   int size() const { return int(all_.size()); }
-  /// Pairs of points of which one is about as near to the other as any.
+  /// Returns pairs of points in which one is among the nearest of the other.
   std::vector<std::pair<int, int>> neighbours() const {
     std::vector<std::pair<int, int>> pairs;
     for (int a = 0; a < size(); ++a) {
@@ -64,7 +64,7 @@ class BoardPoints {
   std::vector<MovedCorner> all_;
 };
 
-/// What is known of a view beside its corners.
+/// Facts about a view, besides its corners.
 struct ViewFacts {
   std::vector<int> points;       // of its corners
   std::vector<Vector2d> motion;  // of its corners, from one image number to the next [px]; NaN: unknown
@@ -72,7 +72,8 @@ struct ViewFacts {
   double squares = 0;  // sum of squared residuals over Corner::sigma [px^2]
 };
 
-/// A test of one sum per block. Errors that neighbours share have one sign, and the fit itself leaves the other one between independent ones.
+/// Tests one sum per block. Errors shared by neighbours give sums of one sign. Between independent errors, the fit
+/// itself leaves the other sign.
 ResidualPattern ofSums(Kind kind, double value, const VectorXd& sums) {
   ResidualPattern pattern;
   pattern.kind = kind;
@@ -82,7 +83,7 @@ ResidualPattern ofSums(Kind kind, double value, const VectorXd& sums) {
   return pattern;
 }
 
-/// Whether residuals grow with a fact about the views, which are `used`.
+/// Tests whether residuals grow with a fact about the views. Uses the views whose fact is known.
 std::optional<ResidualPattern> growth(Kind kind, double ViewFacts::*fact, const std::vector<ViewFacts>& facts,
                                       const std::vector<int>& block_of, int blocks) {
   std::vector<std::size_t> used;
@@ -114,7 +115,7 @@ std::optional<ResidualPattern> growth(Kind kind, double ViewFacts::*fact, const 
   return ofSums(kind, std::sqrt(mean[1] / mean[0]), sums);
 }
 
-/// All that is asked about one camera.
+/// The tests of one camera.
 class CameraPatterns {
  public:
   CameraPatterns(const Dataset& data, const FittedRig& rig, const std::map<int, Observation>& observations,
@@ -165,7 +166,7 @@ class CameraPatterns {
   Eigen::Matrix3d board2world_;                   // its z axis along the normal
   std::vector<int> free_;                         // lens parameters that are estimated
   double squares_ = 0, corners_ = 0;              // squared residuals in px^2, and their number
-  // By block.
+  // Pairs of neighbouring points, and sums by block.
   std::vector<std::pair<int, int>> neighbours_;
   VectorXd products_of_neighbours_, along_less_across_;
   double of_neighbours_ = 0, squares_of_neighbours_ = 0, along_ = 0, across_ = 0, usual_speed_ = 0;
@@ -251,7 +252,7 @@ ResidualPattern CameraPatterns::fromScores(Kind kind, const PatternScores& score
   return pattern;
 }
 
-/// Mean squares without what noise adds to them: the products of what different blocks say.
+/// Mean squares without the contribution of noise, from the products of different blocks.
 ResidualPattern CameraPatterns::boardShape(const PatternScores& scores) const {
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
   for (int cell = 0; cell < scores.cells(); ++cell) {

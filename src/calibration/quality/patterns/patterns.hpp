@@ -1,4 +1,4 @@
-// Tests of suspicions about the residuals of a calibration.
+// Tests for patterns in the residuals of a calibration.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,8 @@
 
 namespace slom::calibration {
 
-/// Of each camera with images enough, all suspicions that its images can be asked about. `data` is sorted; `covariance`: of all shared parameters, as stated.
+/// Runs, for each camera with enough images, all tests that its images allow. `data` must be sorted; `covariance`: of
+/// all shared parameters, as stated.
 std::vector<ResidualPattern> residualPatterns(const Dataset& data, const FittedRig& rig,
                                               const Eigen::MatrixXd& covariance,
                                               const std::vector<ImageGrid>& grids, const Limits& limits);

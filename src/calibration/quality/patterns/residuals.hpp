@@ -1,4 +1,4 @@
-// What is left between the corners that were found and those that the calibration predicts.
+// Residuals: found corners minus predicted corners.
 #pragma once
 
 #include "calibration/quality/uncertainty/information.hpp"
@@ -7,14 +7,14 @@
 
 namespace slom::calibration {
 
-/// The residuals of all corners of a camera, by image.
+/// Returns the residuals of all corners of a camera, by image.
 std::vector<CornerResidual> residualsOf(const CameraData& data, const FittedRig& rig, std::size_t camera);
 
-/// The `count` corners of all cameras of the data with the largest residuals, which are those of residualsOf, the worst first.
+/// Returns the `count` largest residuals of all cameras, the worst first. The residuals are those of residualsOf().
 std::vector<WorstResidual> worstResiduals(const Dataset& data, const std::vector<CameraQuality>& cameras,
                                           std::size_t count);
 
-/// Median distance of the boards' centres from the cameras that saw them [m].
+/// Returns the median distance of the boards' centres from the cameras that saw them [m].
 double boardDistance(const std::map<int, Observation>& observations, const FittedRig& rig);
 
 }  // namespace slom::calibration

@@ -20,7 +20,7 @@
 namespace slom::calibration {
 namespace {
 
-/// One half: its calibration and what it knows.
+/// One half: its calibration and its posterior.
 struct Half {
   Half(const Result& result, const Dataset& data)
       : rig(result), posterior(posteriorOf(*DataOnBoard(data, result.board), rig)) {}
@@ -37,7 +37,7 @@ struct Half {
   Posterior posterior;
 };
 
-/// A node that both halves have a ray for.
+/// A node for which both halves have a ray.
 struct Compared {
   int node;
   vec3 ray;  ///< ray according to the first half
@@ -50,7 +50,7 @@ Eigen::Matrix<double, 2, 3> byRotation(const Lens::PointProjection& q, const vec
   return -q.by_point * crossMatrix(ray);
 }
 
-/// Turns the first half's rays so that the second projects them as near to the nodes as can be.
+/// Turns the first half's rays so that the second half projects them as near to the nodes as possible.
 void fitRotation(std::vector<Compared>& nodes, const Lens& second, const ImageGrid& grid) {
   constexpr int steps = 5;
   constexpr double no_turn = 1e-13;
@@ -73,8 +73,8 @@ void fitRotation(std::vector<Compared>& nodes, const Lens& second, const ImageGr
   }
 }
 
-/// Mean over the nodes of the variance of the difference after the fit, when it comes from the lens
-/// parameters having this covariance [px^2].
+/// Returns the mean over the nodes of the variance of the difference after fitting the rotation, if the difference
+/// comes from lens parameters with this covariance [px^2].
 double expectedSquare(const std::vector<Compared>& nodes, const Lens& second,
                       const Eigen::MatrixXd& covariance) {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
@@ -95,7 +95,7 @@ double expectedSquare(const std::vector<Compared>& nodes, const Lens& second,
   return sum / double(nodes.size());
 }
 
-/// Difference of the lens parameters, for those that are estimated, against its covariance.
+/// Compares the difference of the estimated lens parameters with its covariance.
 void compareParameters(const CameraResult& a, const CameraResult& b, const Eigen::MatrixXd& covariance,
                        SplitHalfCamera& result) {
   std::vector<int> free;
@@ -116,8 +116,8 @@ void compareParameters(const CameraResult& a, const CameraResult& b, const Eigen
   result.probability = result.dof > 0 ? chiSquareProbability(result.chi2, result.dof) : 1;
 }
 
-/// The mean of the clustered covariance, which with few blocks of images has directions without variance, and the stated one, scaled to as
-/// much on the whole.
+/// Returns the mean of the clustered and the stated covariance, with the stated one scaled to the same size. The
+/// clustered one alone, from few blocks of images, has directions without variance.
 Eigen::MatrixXd wellConditioned(const ClusteredUncertainty& clustered, const Eigen::MatrixXd& stated) {
   return (covarianceOf(clustered) + clustered.ratio * clustered.ratio * stated) / 2;
 }
@@ -136,7 +136,7 @@ SplitHalfCamera compare(const Half& a, const Half& b, std::size_t c, const Image
     const double variance = (rays[k] ? std::pow(*std++, 2) : 0) + (others[k] ? std::pow(*other_std++, 2) : 0);
     if (!rays[k] || !others[k]) continue;
     const Lens::PointProjection at = second.differentiate(*rays[k]);
-    // A lens that is hardly known projects some rays nowhere, or with no finite uncertainty.
+    // A poorly determined lens projects some rays nowhere, or with infinite uncertainty.
     if (!at.pixel.allFinite() || !at.by_point.allFinite() || !(variance > 0) || !std::isfinite(variance))
       continue;
     nodes.push_back({i, *rays[k], vec2(at.pixel - grid.node(i)), at, 1 / variance});

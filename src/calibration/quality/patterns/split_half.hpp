@@ -1,8 +1,7 @@
-// Cross-validation: calibrates from every second image and from the others, and compares where the two
-// project the same rays to. The rotation between their frames that the two imply is fitted out first, over
-// the image, each place weighted by how well it is known (https://mrcal.secretsauce.net/differencing.html).
-// Residuals cannot show a model that bends to its own images; two halves that disagree by more than their
-// noise do.
+// Cross-validation: calibrates from every second image and from the others, and compares where the two calibrations
+// project the same rays. The rotation between their frames is fitted first, over the image, with each place weighted
+// by its uncertainty (https://mrcal.secretsauce.net/differencing.html). Residuals cannot show a model that adapts to
+// its own images. Two halves that disagree by more than their noise do show it.
 #pragma once
 
 #include "slom/calibration/dataset.hpp"
@@ -11,11 +10,10 @@
 
 namespace slom::calibration {
 
-/// The images of even or of odd place in the order of their numbers, without the IMU.
+/// Returns the images with even or odd index in the order of their numbers, without the IMU.
 Dataset halfOf(const Dataset& data, int half);
 
-/// `fit` was found from all `data` and is the start of both halves. WorkEnded when there is no time left for
-/// both.
+/// Starts both halves from `fit`, a fit of all `data`. Throws WorkEnded if the time does not suffice for both.
 SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result& fit,
                     const std::vector<ImageGrid>& grids);
 

@@ -22,13 +22,13 @@ using Eigen::VectorXd;
 
 constexpr int fewest_groups = 2;
 constexpr int fewest_blocks = 8;         // of successive images
-constexpr int fewest_board_points = 10;  // whose errors are compared
+constexpr int fewest_board_points = 10;  // to compare errors of points
 
-/// Mean over all directions of the clustered variance over the stated one.
+/// Returns the mean over all directions of the clustered variance, divided by the stated one.
 double ratioOf(const MatrixXd& V) { return V.trace() / double(V.rows()); }
 
-/// The standard deviation, relative to the sum by blocks, of what the trace grows by when the length of the blocks is doubled and errors of
-/// neighbours are independent: that of the products of neighbouring scores.
+/// Returns the standard deviation of the growth of the trace when the length of the blocks is doubled, relative to
+/// the trace, if errors of neighbours are independent. Computes it from the products of neighbouring scores.
 double scatterOfGrowth(const GroupSums& sums) {
   return std::sqrt(sums.V.squaredNorm() / std::max(1, sums.groups - 1)) / sums.V.trace();
 }
@@ -37,16 +37,18 @@ struct BlockChoice {
   GroupSums sums;
   int length = 1;
   bool levels_off = true;
-  double by_image = 1;       // ratio of single images
-  double extrapolation = 1;  // factor of the variance beyond that of the longest blocks
+  double by_image = 1;       // ratioOf() of single images
+  double extrapolation = 1;  // factor on the variance of the longest blocks
 };
 
-/// Errors with a long memory have sums over blocks of b images whose variance per image grows as b^a, a = 2 H - 1 with the coefficient H of
-/// Hurst. The variance by blocks, which is about the mean of all n images, is then V(b) = V(n) (b / n)^a (1 - (b / n)^(1 - a)).
-/// Beyond a = 0.8 such errors cannot be told from a drift in so few blocks.
-///   source   Beran, "Statistics for long-memory processes", 1994, section 4.4, and section 1.2 for the variance about the mean
+/// Returns the factor that extrapolates the variance from the longest blocks to all n images. For errors with a long
+/// memory, the variance per image of sums over blocks of b images grows as b^a, a = 2 H - 1 with Hurst's coefficient
+/// H. The variance by blocks is about the mean of all images, so that V(b) = V(n) (b / n)^a (1 - (b / n)^(1 - a)).
+/// Beyond a = 0.8, so few blocks cannot distinguish such errors from a drift.
+///   source   Beran, "Statistics for long-memory processes", 1994, section 4.4, and section 1.2 for the variance about
+///            the mean
 double extrapolationOf(const std::vector<double>& ratios, int images, int length) {
-  constexpr std::size_t doublings = 2;  // that the power is taken from
+  constexpr std::size_t doublings = 2;  // to estimate the power from
   constexpr double largest_power = 0.8;
   if (ratios.size() <= doublings + 1) return 1;
   const double growth = ratios.back() / ratios[ratios.size() - 1 - doublings];
@@ -55,11 +57,12 @@ double extrapolationOf(const std::vector<double>& ratios, int images, int length
   return std::pow(blocks, power) / (1 - std::pow(blocks, power - 1));
 }
 
-/// Blocks of 1, 2, 4, ... images until the mean variance over all directions grows by less than it is uncertain. What blocks of length b miss
-/// is of order 1 / b, so that 2 V(2 b) - V(b) misses less; where the mean does not level off, it is extrapolated from the longest blocks.
+/// Tries blocks of 1, 2, 4, ... images until the mean variance over all directions grows by less than its
+/// uncertainty. Blocks of length b miss a part of order 1 / b, so 2 V(2 b) - V(b) misses less. If the mean does not
+/// level off, extrapolates it from the longest blocks.
 ///   source   Flegal and Jones 2010; Politis and Romano 1995 for 2 V(2 b) - V(b)
 BlockChoice chooseBlocks(const WhitenedScores& scores) {
-  constexpr double dof_left = 0.4;  // of those of V(2 b), in 2 V(2 b) - V(b)
+  constexpr double dof_left = 0.4;  // fraction of the degrees of freedom of V(2 b) that 2 V(2 b) - V(b) has
   BlockChoice choice{scores.byBlocks(1)};
   choice.by_image = ratioOf(choice.sums.V);
   std::vector<double> ratios{choice.by_image};
@@ -98,7 +101,7 @@ struct Columns {
   }
 };
 
-/// The standard deviations of the rotation vector of R, as worth as the least of those of its axes.
+/// Returns the standard deviations of the rotation vector of R, with the least degrees of freedom of its axes.
 ClusteredVector ofRotationVector(const SO3& R, const MatrixXd& covariance, const Columns& columns,
                                  int first) {
   const double dof = columns.dof.segment<3>(first).minCoeff();
@@ -133,14 +136,15 @@ void writeStandardDeviations(const SharedColumns& shared, const MatrixXd& covari
   imu.gravity_dof = columns.dof[shared.imu + 6];
 }
 
-/// Corners beyond this many standard deviations, which noise exceeds once in 10^7 corners.
+/// Number of standard deviations beyond which a corner is gross. Noise exceeds it once in 10^7 corners.
 constexpr double gross = 6;
-/// Fewer residuals than this beyond the unknowns do not say what the noise is.
+/// Least redundancy. Fewer residuals beyond the unknowns do not determine the noise.
 constexpr int fewest_redundant = 100;
 
-/// Corners that are gross beside those of all images and beside those of their own: in a blurred or slanted one all are worse.
+/// Adds corners that are gross compared with all images and with their own image, because a blurred or slanted image
+/// makes all its corners worse.
 void addGrossCorners(const Dataset& data, const WhitenedScores& scores, Result& result) {
-  constexpr std::size_t fewest_of_image = 12;  // corners that say what its noise is
+  constexpr std::size_t fewest_of_image = 12;  // corners that determine the noise of an image
   const auto& tests = scores.cornerTests();
   std::vector<double> sizes;
   for (const auto& test : tests) sizes.push_back(test.weighted);
@@ -217,7 +221,7 @@ void Clustering::addClustered(Result& result) const {
   clustered.ratio = std::sqrt(ratioOf(V));
   const MatrixXd K = scores.root();
   const MatrixXd covariance = K * V * K.transpose(), by_block = K * by_blocks * K.transpose();
-  // With few groups the difference of two ways may say less than one of them.
+  // With few groups, the difference of two groupings may be less reliable than one of them.
   columns.std = covariance.diagonal().cwiseMax(by_block.diagonal()).cwiseSqrt();
   clustered.covariance.assign(covariance.data(), covariance.data() + covariance.size());
   writeStandardDeviations(FittedRig(result).columns, covariance, columns, result);
@@ -240,23 +244,24 @@ std::vector<std::string> sentencesOf(const ClusteredUncertainty& clustered) {
   std::vector<std::string> sentences;
   if (!clustered.isReliable()) {
     sentences.push_back(fmt::format(
-        "There are only {} images: clustered standard deviations are estimated from as few numbers, and say little "
-        "beyond their degrees of freedom. Projection uncertainty and verdict stay with the stated ones; from {} images on they take the "
-        "clustered ones.",
+        "There are only {} images: the clustered standard deviations are estimated from as few numbers, "
+        "and are as uncertain as their degrees of freedom say. Projection uncertainty and verdict use the "
+        "stated ones; from {} images on, they use the clustered ones.",
         clustered.images, ClusteredUncertainty::fewest_images));
   } else if (clustered.images < 2 * fewest_blocks) {
     sentences.push_back(fmt::format(
-        "There are only {} images, too few to see whether images that follow each other share errors; {} are needed.",
+        "There are only {} images, too few to see whether successive images share errors; {} are needed.",
         clustered.images, 2 * fewest_blocks));
   }
   if (!clustered.levels_off) {
     sentences.push_back(fmt::format(
-        "The variances still grow with blocks of {} successive images, of which there are {}: errors are shared for longer, {}.",
+        "The variances still grow with blocks of {} successive images ({} blocks): errors are shared over "
+        "longer series, {}.",
         clustered.block_length, clustered.blocks,
         clustered.extrapolation > 1
             ? fmt::format(
-                  "as by a drift or a model that is too simple. By how much follows from that growth: the clustered standard deviations are "
-                  "{} times those of these blocks, and rough",
+                  "for example by a drift or a model that is too simple. The growth is extrapolated: the "
+                  "clustered standard deviations are {} times those of these blocks, and rough",
                   fixedDecimals(clustered.extrapolation, 1))
             : "and the clustered standard deviations are too small"));
   }

@@ -1,5 +1,5 @@
-// Uncertainty of the parameters that all images share, where errors are dependent within images, within blocks of images that follow each
-// other, and at points of the board (ClusteredUncertainty).
+// Uncertainty of the parameters shared by all images (ClusteredUncertainty). Errors may be dependent within images,
+// within blocks of successive images, and at points of the board.
 #pragma once
 
 #include <memory>
@@ -12,27 +12,27 @@ namespace slom::calibration {
 
 class WhitenedScores;
 
-/// What the images of a result that succeeded say beside each other. Results that did not succeed stay as they are.
+/// Comparisons between the images of a successful result. Other results stay unchanged.
 class Clustering {
  public:
-  /// `data` is sorted and has the noise of the result (withNoiseOf).
+  /// Takes data with the noise of the result (withNoiseOf). `data` must be sorted.
   Clustering(const Dataset& data, const Result& result);
   ~Clustering();
 
-  /// Fills Result::gross, which is empty.
+  /// Fills Result::gross, which must be empty.
   void addGrossCorners(Result& result) const;
   /// Fills Result::clustered and the clustered standard deviations.
   void addClustered(Result& result) const;
 
  private:
-  std::optional<Dataset> on_board_;  // nothing where there is nothing to say
+  std::optional<Dataset> on_board_;  // empty if there is nothing to compare
   std::unique_ptr<const WhitenedScores> scores_;
 };
 
-/// Both.
+/// Runs Clustering::addGrossCorners and Clustering::addClustered.
 void addClustered(const Dataset& data, Result& result);
 
-/// The matrix of ClusteredUncertainty::covariance.
+/// Returns ClusteredUncertainty::covariance as a matrix.
 Eigen::MatrixXd covarianceOf(const ClusteredUncertainty& clustered);
 
 }  // namespace slom::calibration

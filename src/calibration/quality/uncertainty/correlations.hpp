@@ -1,4 +1,4 @@
-// Which of the parameters that all images share trade off against each other.
+// Correlations between the parameters that all images share: which ones trade off against each other.
 #pragma once
 
 #include "calibration/quality/uncertainty/information.hpp"

@@ -18,7 +18,7 @@ void addColumns(SharedColumns& columns, const std::string& name, bool is_free) {
   ++columns.size;
 }
 
-/// Fixed parameters and those at a bound have the standard deviation 0.
+/// Returns the columns. Fixed parameters and those at a bound have the standard deviation 0.
 SharedColumns columnsOf(const Result& result) {
   SharedColumns columns;
   const std::string& reference = result.cameras.front().name;
@@ -43,8 +43,8 @@ SharedColumns columnsOf(const Result& result) {
   return columns;
 }
 
-/// J^T J of the pixels of points in the world, J by the lens parameters and by left2camera (translation, rotation) [px]; its rows over the sigma of
-/// their points, if these are given.
+/// Returns J^T J of the pixels of points in the world, with J by the lens parameters and by left2camera (translation,
+/// rotation) [px]. If sigmas are given, divides the rows of a point by its sigma.
 Eigen::MatrixXd squareOf(const Lens& lens, const SE3& left2camera, const SE3& left2world,
                          const std::vector<vec3>& points, const std::vector<double>& sigmas) {
   const int n = lens.parameters();
@@ -66,8 +66,8 @@ Eigen::MatrixXd squareOf(const Lens& lens, const SE3& left2camera, const SE3& le
   return square;
 }
 
-/// Adds what corners that camera c sees say, to the lower triangle of H. By left2world their pixels change as
-/// by left2camera, times `pose`.
+/// Adds the information of the corners that camera c sees to the lower triangle of H. The derivative of a pixel by
+/// left2world is that by left2camera, times `pose`.
 void addCorners(const FittedRig& rig, std::size_t c, const Observation& observation, Eigen::MatrixXd& H) {
   const Eigen::Matrix3d world2left = observation.left2world.orient.toRotationMatrix().transpose();
   Matrix6 pose = Matrix6::Zero();
@@ -88,7 +88,7 @@ void addCorners(const FittedRig& rig, std::size_t c, const Observation& observat
   H.bottomRows<6>().middleCols<6>(left2camera) += by_pose;
 }
 
-/// Likewise for a reading.
+/// Adds the information of a reading.
 void addReading(const FittedRig& rig, const Observation& observation, Eigen::MatrixXd& H) {
   const auto [by_imu, by_pose] = differentiateReading(rig, observation);
   const double weight = 1 / (rig.sigma_acc * rig.sigma_acc);
@@ -97,7 +97,8 @@ void addReading(const FittedRig& rig, const Observation& observation, Eigen::Mat
   H.bottomRightCorner<6, 6>() += weight * by_pose.transpose() * by_pose;
 }
 
-/// Adds what the unknowns of the board are to the corners that camera c sees: to H, in which they follow the shared parameters.
+/// Adds, to the lower triangle of H, the derivatives by the unknowns of the board for the corners that camera c sees.
+/// In H, these unknowns follow the shared parameters.
 void addBoard(const FittedRig& rig, std::size_t c, const Observation& observation, Eigen::MatrixXd& H) {
   const SeenBoard board(rig, c, observation.left2world);
   const int n = rig.lenses[c].parameters(), left2camera = rig.columns.pose[c];
@@ -116,7 +117,7 @@ void addBoard(const FittedRig& rig, std::size_t c, const Observation& observatio
   }
 }
 
-/// Adds up H of one image; of its pose, the part that corners make.
+/// Adds up H of one image. Returns the part of its pose block that comes from corners.
 Matrix6 addEquations(const FittedRig& rig, const Observation& observation, Eigen::MatrixXd& H) {
   for (std::size_t c = 0; c < observation.points.size(); ++c) {
     if (!observation.points[c].empty()) addCorners(rig, c, observation, H);
@@ -268,7 +269,7 @@ Information informationOf(const FittedRig& rig, const Observation& observation) 
   Information share(rig.columns);
   const Eigen::Matrix<double, 6, Eigen::Dynamic> pose_shared = H.bottomRows<6>()(Eigen::all, share.free_);
   const Eigen::Matrix<double, 6, Eigen::Dynamic> solved = pose.solve(pose_shared);
-  share.shared_ = H(share.free_, share.free_);  // 0 above the diagonal, where nothing is looked at
+  share.shared_ = H(share.free_, share.free_);  // 0 above the diagonal, which is not read
   share.shared_.noalias() -= pose_shared.transpose() * solved;
   share.motion_shared_.noalias() = from_motion * solved;
   share.motion_ = from_motion * motion;

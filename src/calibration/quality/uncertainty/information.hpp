@@ -1,18 +1,17 @@
-// What images say about the parameters that all of them share: lenses, camera to camera, IMU.
+// Information of images about the parameters that all images share: lenses, camera to camera, IMU.
 //
-// The pose of the board in image i is seen by that image alone, so the normal equations are an arrow, and
-// eliminating the poses leaves a sum over the images:
-//   information  Lambda_i = H_ss - H_sf H_ff^-1 H_fs,   covariance of the shared parameters  C = (sum_i
-//   Lambda_i)^-1
+// The pose of the board in image i is seen only in that image, so the normal equations form an arrow. Eliminating the
+// poses leaves a sum over the images:
+//   information  Lambda_i = H_ss - H_sf H_ff^-1 H_fs
+//   covariance of the shared parameters  C = (sum_i Lambda_i)^-1
 // s: shared parameters, f: the pose left2world of image i, H = J^T J of its whitened measurements.
 //
-// A calibration knows its own frame only through the boards: another sample of the noise gives another one.
-// The motion between the two is where the boards, moved by it, are seen best by the cameras as they are
-// ("cross-reprojection", https://mrcal.secretsauce.net/docs-3.0/uncertainty-cross-reprojection.html). To
-// first order it is
+// Only the boards determine the frame of a calibration, so another sample of the noise gives another frame. The
+// motion between the two is the one for which the cameras see the moved boards best ("cross-reprojection",
+// https://mrcal.secretsauce.net/docs-3.0/uncertainty-cross-reprojection.html). To first order it is
 //   motion = G^-1 F ds + noise of covariance G^-1 N G^-1, independent of ds,
 //   G = sum P^T H_cc P,  F = sum P^T H_cc H_ff^-1 H_fs,  N = sum P^T H_cc H_ff^-1 H_cc P
-// with H_cc the part of H_ff that corners make, and P what the motion does to the pose of an image.
+// H_cc is the part of H_ff from corners, and P is the derivative of the pose of an image by the motion.
 #pragma once
 
 #include <map>
@@ -34,23 +33,24 @@ namespace slom::calibration {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Where the shared parameters stand: for each camera its lens and, but for the first, its pose left2camera
+/// Columns of the shared parameters: for each camera its lens and, except for the first, its pose left2camera
 /// (translation, rotation); then the IMU's rotation, acc_bias and gravity.
 struct SharedColumns {
-  std::vector<int> lens, pose;  ///< first column, by camera; -1 where there is none
+  std::vector<int> lens, pose;  ///< first column, by camera; -1: none
   int imu = -1;
   int size = 0;
-  std::vector<int> free;            ///< those that are estimated, rising
-  std::vector<int> held_near_zero;  ///< those of the prior Settings::sigma_denominator
+  std::vector<int> free;            ///< estimated parameters, ascending
+  std::vector<int> held_near_zero;  ///< parameters of the prior Settings::sigma_denominator
   std::vector<std::string> names;   ///< `left.fx`
 };
 
-/// Where the board has unknowns of its own: those of the corners that the data on the fitted board show.
+/// Columns of the board's own unknowns, for the corners that the data on the fitted board have.
 class BoardColumns {
  public:
   explicit BoardColumns(const FittedBoard& board);
   int unknowns() const { return 3 * basis_.blocks(); }
-  /// Of the corner that is here on the fitted board: its first unknown, and how they move it.
+  /// Returns, for the corner at this place on the fitted board, its first unknown and the map by which the unknowns
+  /// move it.
   std::pair<int, const Eigen::Matrix3d*> of(const vec3& world) const;
   double sigma() const { return sigma_; }
 
@@ -74,7 +74,7 @@ struct FittedRig {
   SharedColumns columns;
 };
 
-/// What is seen in one image: by camera the points of the board that it sees, in the world, and a reading.
+/// The observations of one image: by camera the board points that it sees, in the world, and a reading.
 struct Observation {
   SE3 left2world;
   std::vector<std::vector<vec3>> points;
@@ -82,22 +82,23 @@ struct Observation {
   std::vector<std::vector<double>> sigmas{};  ///< Corner::sigma, as points; empty: 1 each
 };
 
-/// How a camera sees points of the board in one image.
+/// The projection of board points into a camera, for one image.
 class SeenBoard {
  public:
-  /// `rig` must live as long.
+  /// Takes the rig. `rig` must outlive this object.
   SeenBoard(const FittedRig& rig, std::size_t camera, const SE3& left2world);
 
-  /// The pixel of a point, and how it changes [px].
+  /// The pixel of a point and its derivatives [px].
   struct Rows {
-    Lens::Projection seen;  ///< by the lens parameters, too
+    Lens::Projection seen;  ///< also by the lens parameters
     Eigen::Matrix<double, 2, 6> by_left2camera, by_pose;
-    Eigen::Matrix<double, 2, 3> by_point;  ///< in the world
+    Eigen::Matrix<double, 2, 3> by_point;  ///< by the point in the world
 
     vec2 pixel() const { return seen.pixel; }
   };
   Rows rowsOf(const vec3& point) const;
-  /// By all shared parameters, where the pose of the image follows them by ImageEquations::pose_by_shared.
+  /// Sets the derivatives by all shared parameters, with the pose of the image following them by
+  /// ImageEquations::pose_by_shared.
   void setByShared(const Rows& rows, const Eigen::Matrix<double, 6, Eigen::Dynamic>& pose_by_shared,
                    Eigen::Matrix<double, Eigen::Dynamic, 2>& by_shared) const;
 
@@ -108,34 +109,34 @@ class SeenBoard {
   Eigen::Vector3d offset_, origin_;
 };
 
-/// The normal equations of one image: by all shared parameters, then, where they are asked for, the unknowns of the board, and by its pose, which is
-/// eliminated.
+/// The normal equations of one image: by all shared parameters, then by the unknowns of the board if requested, and
+/// by the pose of the image, which is eliminated.
 struct ImageEquations {
   Eigen::MatrixXd H;                                        ///< lower triangle; the pose last
   Eigen::Matrix<double, 6, Eigen::Dynamic> pose_by_shared;  ///< H_ff^-1 H_fs
   Matrix6 pose_inverse;                                     ///< H_ff^-1
 };
 ImageEquations equationsOf(const FittedRig& rig, const Observation& observation);
-/// With those of the board, where it has some.
+/// Returns the equations including the unknowns of the board, if it has any.
 ImageEquations equationsWithBoard(const FittedRig& rig, const Observation& observation);
 
-/// By what a reading changes: residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z.
+/// Derivatives of residual = R(left2world) left2imu^-1 (acc - bias) - gravity e_z.
 struct ReadingJacobian {
   Eigen::Matrix<double, 3, 7> by_imu;
   Eigen::Matrix<double, 3, 6> by_pose;
 };
 ReadingJacobian differentiateReading(const FittedRig& rig, const Observation& observation);
 
-/// The sums over images; of one image, its share.
+/// The sums over images, or the share of one image.
 class Information {
  public:
   explicit Information(const SharedColumns& columns);
   void add(const Information& images);
-  /// Sets it to the sum of two disjoint sets of images of one rig.
+  /// Sets this to the sum of two disjoint sets of images of one rig.
   void setSum(const Information& a, const Information& b);
-  /// The prior Settings::sigma_denominator, where the result has it.
+  /// Adds the prior Settings::sigma_denominator, if the result has it.
   void addPrior(const FittedRig& rig);
-  /// The covariance of the shared parameters; 0 for those that are not estimated.
+  /// Returns the covariance of the shared parameters; 0 for parameters that are not estimated.
   Eigen::MatrixXd covariance() const;
 
  private:
@@ -151,35 +152,36 @@ class Information {
 };
 Information informationOf(const FittedRig& rig, const Observation& observation);
 
-/// What a set of images knows, ready to be propagated. A number that changes by a ds + e dm, with the shared parameters and with
-/// the motion of the frame, has the variance |w|^2, w = whitened(a, e); two of them have the covariance w1 . w2.
+/// The posterior given a set of images, ready to be propagated. Let a number change by a ds + e dm, with the shared
+/// parameters and the motion of the frame. Its variance is |w|^2 with w = whitened(a, e). The covariance of two such
+/// numbers is w1 . w2.
 struct Posterior {
   explicit Posterior(const Information& information);
-  /// With another covariance of all shared parameters, such as the clustered one; what the poses of the images leave open of the motion of the
-  /// frame stays as stated.
+  /// Uses another covariance of all shared parameters, such as the clustered one. The part of the frame's motion that
+  /// the poses of the images leave open stays as stated.
   Posterior(const Information& information, const Eigen::MatrixXd& covariance);
-  /// Columns w, of rows a (of all shared parameters) and e.
+  /// Returns columns w for rows a (by all shared parameters) and e.
   Eigen::MatrixXd whitened(const Eigen::MatrixXd& by_shared, const Eigen::MatrixXd& by_motion) const;
-  /// 0 for those that are not estimated.
+  /// Returns the covariance of the shared parameters; 0 for parameters that are not estimated.
   Eigen::MatrixXd covarianceOfShared() const;
 
  private:
   friend class VarianceBound;
-  /// (sum of Lambda)^-1 times a vector of the free ones.
+  /// Returns (sum of Lambda)^-1 times a vector over the free parameters.
   Eigen::VectorXd solve(const Eigen::VectorXd& by_free) const;
 
   std::vector<int> free_;
   int all_;
   Eigen::VectorXd
-      scale_;  // units differ by orders of magnitude: with a unit diagonal the inverse keeps its digits
+      scale_;  // units differ by orders of magnitude; with a unit diagonal the inverse keeps its digits
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::MatrixXd
-      root_;  // with another covariance, root_ root_^T is that of the free parameters; otherwise empty
+      root_;  // for another covariance: root_ root_^T is the covariance of the free parameters; otherwise empty
   Eigen::Matrix<double, 6, Eigen::Dynamic> motion_by_shared_;  // G^-1 F
   Matrix6 noise_root_;                                         // its square is G^-1 N G^-1
 };
 
-/// The observation of each image, by its number.
+/// Returns the observation of each image, by its number.
 std::map<int, Observation> observationsOf(const Dataset& data, const FittedRig& rig);
 
 }  // namespace slom::calibration

@@ -62,7 +62,7 @@ struct PixelUncertainty::Implementation {
   }
 
   FittedRig rig;
-  std::vector<CameraPosterior> cameras;  // which point into the rig
+  std::vector<CameraPosterior> cameras;  // these point into the rig
 };
 
 PixelUncertainty::PixelUncertainty(const Dataset& all, const Result& result) {

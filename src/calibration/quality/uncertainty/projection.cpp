@@ -12,7 +12,8 @@
 namespace slom::calibration {
 namespace {
 
-/// The standard deviation of each pixel in the direction in which it is largest. Columns 2i and 2i + 1 belong to u and v of pixel i.
+/// Returns the standard deviation of each pixel in the direction in which it is largest. Columns 2i and 2i + 1 belong
+/// to u and v of pixel i.
 std::vector<double> largestStds(const Eigen::MatrixXd& whitened) {
   std::vector<double> result;
   for (Eigen::Index i = 0; i < whitened.cols(); i += 2) {
@@ -86,7 +87,8 @@ ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& r
   const SharedColumns& columns = rig.columns;
   const Eigen::Matrix3d R = rig.left2camera[c].orient.toRotationMatrix();
   const Lens::Projection q = rig.lenses[c].differentiate(ray);
-  // In the left camera the point is distance * direction + origin; by one metre at this distance it moves by_point.
+  // In the left camera the point is distance * direction + origin. A shift of one metre at this distance moves its
+  // pixel by by_point.
   const Eigen::Vector3d direction = R.transpose() * ray, origin = -(R.transpose() * rig.left2camera[c].pos);
   const Eigen::Matrix<double, 2, 3> by_point = q.by_point / distance_m, by_left = by_point * R;
   const Eigen::Matrix<double, 2, 3> by_turn =
@@ -94,14 +96,15 @@ ProjectedPoint projectedPoint(const FittedRig& rig, std::size_t c, const vec3& r
   ProjectedPoint point;
   point.by_shared.setZero(2, columns.size);
   point.by_shared.middleCols(columns.lens[c], q.by_parameters.cols()) = q.by_parameters;
-  point.by_motion << -by_left, by_turn;  // the new frame sees the point where the motion takes it back to
+  point.by_motion << -by_left, by_turn;  // the new frame sees the point moved back by the motion
   if (c > 0) point.by_shared.middleCols<6>(columns.pose[c]) << by_point, -by_turn;
   return point;
 }
 
 CameraPosterior::CameraPosterior(const FittedRig& rig, const Posterior& posterior, std::size_t c)
     : lens_(rig.lenses[c]), left2camera_(rig.left2camera[c].orient.toRotationMatrix()) {
-  // Rows of (t, s, p): t = motion.rotation - pose.rotation in the left camera; s, in this one, is how its centre moves.
+  // Rows of (t, s, p): t = motion.rotation - pose.rotation in the left camera; s, in this camera, is the motion of
+  // its centre.
   const SharedColumns& columns = rig.columns;
   const int n = lens_.parameters();
   const Eigen::Vector3d origin = -(left2camera_.transpose() * rig.left2camera[c].pos);
@@ -189,7 +192,7 @@ std::vector<ProjectionUncertainty> CameraPosterior::maps(const ImageGrid& grid,
 
 std::vector<std::optional<vec3>> raysOf(const Lens& lens, const ImageGrid& grid) {
   std::vector<std::optional<vec3>> rays;
-  for (int i = 0; i < grid.size(); ++i) {  // from a neighbour that has one: the left or the upper
+  for (int i = 0; i < grid.size(); ++i) {  // starts from the left or the upper neighbour, if it has a ray
     const int neighbour = i % grid.columns > 0 ? i - 1 : i - grid.columns;
     const bool has_start = neighbour >= 0 && rays[std::size_t(neighbour)];
     rays.push_back(has_start ? lens.unproject(grid.node(i), *rays[std::size_t(neighbour)])

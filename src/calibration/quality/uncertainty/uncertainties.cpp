@@ -7,7 +7,7 @@
 namespace slom::calibration {
 namespace {
 
-/// Three numbers that follow three shared parameters by J.
+/// Adds three numbers that follow three shared parameters by J.
 void addVector(vec3& stated, vec3& clustered, const Eigen::Matrix3d& J, int first, int shared,
                std::vector<StatedUncertainty>& all) {
   for (int i = 0; i < 3; ++i) {
@@ -53,7 +53,7 @@ void addIndependentError(const Eigen::VectorXd& followed, double std, double std
                          const SharedColumns& columns, Result& result) {
   const auto widen = [](double& of, double part) {
     of = of > 0 ? std::hypot(of, part) : of;
-  };  // what is fixed stays so
+  };  // fixed parameters keep 0
   for (const StatedUncertainty& one : uncertaintiesOf(result, columns)) {
     const double by_error = one.by_shared.dot(followed);
     widen(*one.stated, by_error * std);

@@ -1,4 +1,4 @@
-// All standard deviations that a result states, in one list: what changes some of them changes all.
+// All standard deviations of a result in one list, so that a change applies to all of them.
 #pragma once
 
 #include <vector>
@@ -10,19 +10,21 @@
 
 namespace slom::calibration {
 
-/// A number of a result whose standard deviations are stated.
+/// A number of a result with standard deviations.
 struct StatedUncertainty {
   double* stated = nullptr;
   double* clustered = nullptr;
-  Eigen::RowVectorXd by_shared;  ///< how the number follows the shared parameters
+  Eigen::RowVectorXd by_shared;  ///< derivative of the number by the shared parameters
 };
 
-/// Of lenses, camera to camera (translation, rotation, rotation vector) and the IMU. `result` must live as long; ClusteredUncertainty::covariance
-/// and ImuResult::precision follow from these and are not in the list.
+/// Returns the numbers of lenses, camera to camera (translation, rotation, rotation vector) and the IMU. `result`
+/// must outlive the list. ClusteredUncertainty::covariance and ImuResult::precision follow from these numbers and are
+/// not in the list.
 std::vector<StatedUncertainty> uncertaintiesOf(Result& result, const SharedColumns& columns);
 
-/// Adds to all standard deviations, to the covariance they come from and to what is summed up of them, an error that is independent of the others:
-/// the shared parameters follow it by `followed`, and its standard deviations are these.
+/// Adds an independent error to all standard deviations, to the covariance they come from and to their summaries.
+/// `followed` is the derivative of the shared parameters by the error, `std` and `std_clustered` are its standard
+/// deviations.
 void addIndependentError(const Eigen::VectorXd& followed, double std, double std_clustered,
                          const SharedColumns& columns, Result& result);
 

@@ -3,7 +3,7 @@
 namespace slom::calibration {
 namespace {
 
-/// x^T A x, of a symmetric matrix whose lower triangle this is.
+/// Returns x^T A x of a symmetric matrix, from its lower triangle.
 double quadraticForm(const Eigen::MatrixXd& A, const Eigen::VectorXd& x) {
   double sum = 0;
   for (Eigen::Index j = 0; j < x.size(); ++j) {
@@ -29,7 +29,7 @@ double VarianceBound::of(const Information& images) const {
   const Vector6 by_trial = images.motion_shared_ * trial_;
   const double along = along_ + y.dot(by_trial);
   const double bound = along * along / quadraticForm(images.shared_, trial_) + y.dot(images.noise_ * y);
-  return bound > 0 ? bound : 0;  // without free parameters it is not a number
+  return bound > 0 ? bound : 0;  // NaN without free parameters
 }
 
 }  // namespace slom::calibration

@@ -15,25 +15,26 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double alone = 1e-6;  // 1 - leverage, below which a group determines a direction alone
+constexpr double alone = 1e-6;  // value of 1 - leverage below which a group alone determines a direction
 
-constexpr double least_redundancy = 0.01;  // of a corner that others check, of its smaller direction
+constexpr double least_redundancy = 0.01;  // of a corner that others check, in its smaller direction
 
-/// What one group adds to the sums of byBlocks.
+/// Contribution of one group to the sums of byBlocks.
 struct GroupPart {
-  MatrixXd V;  // w w^T, and the stated part of what the group determines alone
+  MatrixXd V;  // w w^T, and the stated part of directions that the group alone determines
   MatrixXd
       squares;  // B A B^T, with the correction B: |B^T x|^2 of a parameter with row k of K is k squares k^T
-  MatrixXd follows;  // (A, W) B^T: what all unknowns make of it is `follows` k^T
+  MatrixXd follows;  // (A, W) B^T: all unknowns follow it by `follows` k^T
 };
 
-/// The working model gives a group's score the covariance A, before its own part of the fit is taken off, and A - D after it, D = A^2 + W^T W
-/// with what the group knows of the board. With N = A^(-1/2) D A^(-1/2), which without a board is A, the correction A^(1/2) (I - N)^(-1/2) A^(-1/2)
-/// leads from the second back to the first.
+/// Computes the part of one group. In the working model, the group's score has the covariance A before the group's
+/// own part of the fit is removed, and A - D after. D = A^2 + W^T W includes the group's information about the board.
+/// Let N = A^(-1/2) D A^(-1/2), which is A without a board. The correction A^(1/2) (I - N)^(-1/2) A^(-1/2) leads from
+/// the second covariance back to the first.
 GroupPart partOf(const MatrixXd& leverage, const MatrixXd& on_board, const VectorXd& score) {
   const SymmetricEigen own = eigenOf(leverage);
   const VectorXd root = own.eigenvalues().cwiseMax(0).cwiseMin(1).cwiseSqrt();
-  const double least = 1e-8 * root.maxCoeff();  // directions that the group does not know
+  const double least = 1e-8 * root.maxCoeff();  // below, the group does not determine a direction
   const VectorXd inverse = root.unaryExpr([&](double r) { return r > least ? 1 / r : 0.0; });
   const MatrixXd& U = own.eigenvectors();
   const MatrixXd W = on_board * U * inverse.asDiagonal();
@@ -55,7 +56,7 @@ GroupPart partOf(const MatrixXd& leverage, const MatrixXd& on_board, const Vecto
           follows};
 }
 
-/// The cr1 factor of groups whose single leverages are small.
+/// Returns the cr1 factor, for groups with small leverages.
 double smallSampleFactor(int groups) { return groups > 1 ? groups / (groups - 1.0) : 1; }
 
 }  // namespace
@@ -103,8 +104,8 @@ WhitenedScores::WhitenedScores(const Dataset& data, const FittedRig& rig) : shar
   }
 }
 
-/// With the unknowns of the board first, the last columns of the inverse of an upper triangle have rows of the shared parameters that are a root of
-/// their covariance.
+/// Factorises the information. Orders the unknowns of the board first. Then, in the last columns of the inverse of
+/// the upper triangle, the rows of the shared parameters are a root of their covariance.
 void WhitenedScores::factorise(const SharedColumns& columns, const MatrixXd& sum) {
   std::vector<int> order;
   for (int i = columns.size; i < sum.rows(); ++i) order.push_back(i);
@@ -146,7 +147,7 @@ void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t
       const auto [first, map] = rig.board->of(corner.world);
       const Eigen::Matrix<double, 2, 3> by_board = seen.by_point * *map;
       rows.noalias() += K_.middleRows<3>(shared_ + first).transpose() * by_board.transpose();
-      // All rows of an image are orthogonal to its pose, whose part of the board need not be taken off.
+      // All rows of an image are orthogonal to its pose, so the part of the board in the pose need not be removed.
       images_.back().on_board.middleRows<3>(first).noalias() +=
           weight * weight * (by_board.transpose() * rows.transpose());
     }
@@ -180,7 +181,8 @@ void WhitenedScores::addReading(const FittedRig& rig, const Observation& observa
   images_.back().score -= weight * (rows * residual);
 }
 
-/// Satterthwaite's degrees of freedom are 2 E(V)^2 / Var(V) = (tr B)^2 / tr B^2 of B_gh = delta_gh |A_g x_g|^2 - y_g^T C y_h.
+/// Satterthwaite's degrees of freedom are 2 E(V)^2 / Var(V) = (tr B)^2 / tr B^2 of B_gh = delta_gh |A_g x_g|^2 -
+/// y_g^T C y_h.
 GroupSums WhitenedScores::byBlocks(int length) const {
   const Index n = K_.cols();
   const int blocks = std::max(1, images() / length);

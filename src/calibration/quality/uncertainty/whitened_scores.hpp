@@ -1,11 +1,12 @@
-// Scores of images and of corners, in coordinates in which the stated covariance of the shared parameters is the identity.
+// Scores of images and of corners, in coordinates in which the stated covariance of the shared parameters is the
+// identity.
 //
-// Elimination of the poses leaves of each image its information Lambda_i and its score g_i = J_s^T r - H_sf H_ff^-1 J_f^T r, so that groups of
-// images are sums of these. With C = (sum Lambda)^-1 = K K^T, the leverage of group g is N_g = K^T Lambda_g K, and the sandwich with the
-// correction cr2 is
+// Eliminating the poses leaves for each image its information Lambda_i and its score g_i = J_s^T r - H_sf H_ff^-1
+// J_f^T r. Groups of images are sums of these. With C = (sum Lambda)^-1 = K K^T, the leverage of group g is N_g = K^T
+// Lambda_g K, and the sandwich with the correction cr2 is
 //   V = K (sum_g w_g w_g^T) K^T,   w_g = (I - N_g)^(-1/2) K^T g_g
-// Where the board has unknowns of its own, these are eliminated as well: K has a row for each of them, its rows of the shared parameters are a root
-// of their covariance, and all sums are as above.
+// If the board has unknowns of its own, these are eliminated as well. K then has a row for each of them, and its rows
+// of the shared parameters are a root of their covariance. All sums are as above.
 //   source   Bell and McCaffrey 2002; docs/decisions/clustered_uncertainty.md, which has the literature
 #pragma once
 
@@ -16,43 +17,43 @@
 
 namespace slom::calibration {
 
-/// The sum over groups of w w^T: K times it times K^T is the clustered covariance.
+/// The sum over groups of w w^T. K times this sum times K^T is the clustered covariance.
 struct GroupSums {
   Eigen::MatrixXd V;
   Eigen::VectorXd
-      dof;  ///< by shared parameter, of its variance (Satterthwaite); NaN for what is not estimated
+      dof;  ///< of the variance, by shared parameter (Satterthwaite); NaN for parameters that are not estimated
   int groups = 0;
 };
 
-/// Points of the board as groups beside blocks of images.
+/// Points of the board as groups, in addition to blocks of images.
 struct BoardPointSums {
   Eigen::MatrixXd by_point, by_both;  ///< groups: points; pairs of a point and a block of images
-  double dof = 0;                     ///< of by_point, from how much each point weighs
+  double dof = 0;                     ///< of by_point, from the weights of the points
   int points = 0;
 };
 
-/// What the images know, with what the unknowns of the board take from it.
+/// Returns the stated posterior given all images, with the unknowns of the board marginalised.
 Posterior statedPosterior(const Dataset& data, const FittedRig& rig, const Information& information);
 
 class WhitenedScores {
  public:
-  /// `data` is sorted.
+  /// Computes the scores. `data` must be sorted.
   WhitenedScores(const Dataset& data, const FittedRig& rig);
 
-  /// K: all shared parameters x free ones; rows of those that are not estimated are 0.
+  /// Returns K: all shared parameters x free ones. Rows of parameters that are not estimated are 0.
   auto root() const { return K_.topRows(shared_); }
-  /// The stated covariance of the shared parameters: root() times its transpose.
+  /// Returns the stated covariance of the shared parameters: root() times its transpose.
   Eigen::MatrixXd statedCovariance() const { return root() * root().transpose(); }
   int images() const { return int(images_.size()); }
-  /// Blocks of `length` successive images; the last one has the remainder, too.
+  /// Returns the sums over blocks of `length` successive images. The last block also has the remainder.
   GroupSums byBlocks(int length) const;
   BoardPointSums byBoardPoints(int length) const;
-  /// Tests of all corners, by image, then by camera, then as in its view.
+  /// Returns tests of all corners, by image, then by camera, then in the order of the view.
   struct CornerTest {
-    double
-        without_px;  ///< |(I - H)^-1 r|: the residual of the fit without the corner, to first order; H is its leverage; the residual itself where no
-                     ///< other corner checks it [px]
-    double weighted;  ///< sqrt(r^T (I - H)^-1 r): the residual, studentised but for the noise [px]
+    /// |(I - H)^-1 r|: the residual of the fit without the corner, to first order, with the leverage H of the corner
+    /// [px]. The residual itself if no other corner checks this one.
+    double without_px;
+    double weighted;  ///< sqrt(r^T (I - H)^-1 r): the residual, studentised except for the noise [px]
   };
   const std::vector<CornerTest>& cornerTests() const { return tests_; }
 
@@ -62,7 +63,7 @@ class WhitenedScores {
     Eigen::VectorXd score;     // K^T g
     Eigen::MatrixXd on_board;  // Lambda K, rows of the unknowns of the board
   };
-  /// What a corner adds to its group.
+  /// Contribution of a corner to its group.
   struct CornerScore {
     int point, image;
     double leverage;  // trace of its part of N
@@ -72,7 +73,7 @@ class WhitenedScores {
     return std::min(image / length, std::max(1, images() / length) - 1);
   }
   void factorise(const SharedColumns& columns, const Eigen::MatrixXd& sum);
-  /// W with W^T W + A^2 = K^T Lambda (sum Lambda)^-1 Lambda K, A the leverage of the group.
+  /// Returns W with W^T W + A^2 = K^T Lambda (sum Lambda)^-1 Lambda K, A the leverage of the group.
   Eigen::MatrixXd onBoard(const Image& group) const;
   void addView(const FittedRig& rig, const View& view, std::size_t c, const SE3& left2world,
                const Eigen::MatrixXd& by_pose, const Matrix6& pose_inverse);
@@ -80,8 +81,8 @@ class WhitenedScores {
 
   int shared_;
   Eigen::MatrixXd K_, prior_;  // rows: shared parameters, then the unknowns of the board; prior_: K^T P K
-  Eigen::MatrixXd
-      board_factor_;  // of the information on the board alone, the lower triangle, scaled on both sides by
+  // Cholesky factor of the information on the board alone: lower triangle, scaled on both sides by board_scale_.
+  Eigen::MatrixXd board_factor_;
   Eigen::VectorXd board_scale_;
   std::vector<Image> images_;
   std::vector<CornerScore> corners_;

@@ -34,8 +34,8 @@ namespace {
 constexpr int grid_columns = 33;
 constexpr std::size_t worst_corners = 20;
 
-/// Nodes as far apart along u as along v, as near as that can be; an odd number of them, so that there is a
-/// middle.
+/// Returns a grid whose nodes are as far apart along u as along v, as nearly as possible. The number of nodes is odd,
+/// so that there is a middle one.
 ImageGrid gridOver(const ImageBox& box) {
   const double ratio = (box.height - 1.0) / std::max(box.width - 1.0, 1.0);
   const int rows = 2 * int(std::lround((grid_columns - 1) * std::min(ratio, 3.0) / 2)) + 1;
@@ -91,7 +91,8 @@ void addDetermination(const Dataset& on_board, const Result& result, const Fitte
   }
 }
 
-/// The largest of all cameras, of the maps `at`: 0, at the distance of the boards, or 1, at infinity.
+/// Returns the largest worst_px of all cameras, of the maps `at`: 0, at the distance of the boards, or 1, at
+/// infinity.
 double worstOf(const Quality& quality, std::vector<ProjectionUncertainty> CameraQuality::*maps,
                std::size_t at) {
   double most = 0;
@@ -99,14 +100,16 @@ double worstOf(const Quality& quality, std::vector<ProjectionUncertainty> Camera
   return most;
 }
 
-/// Which of the maps further images are to improve: that at infinity where it alone is worse than is bearable.
+/// Returns the map that further images should improve: the map at infinity if only that exceeds the bearable
+/// uncertainty.
 std::size_t mapToImprove(const Quality& quality) {
   const auto maps = &CameraQuality::projection;
   return worstOf(quality, maps, 0) <= worst_bearable_px && worstOf(quality, maps, 1) > worst_bearable_px ? 1
                                                                                                          : 0;
 }
 
-/// Further images as good as those that are there would bring as large a part of the clustered uncertainty as of the stated one.
+/// Scales the effect of further images to the clustered uncertainty. Images as good as the existing ones reduce it by
+/// the same factor as the stated one.
 void scaleToClustered(std::size_t map, Quality& quality) {
   const double factor = worstOf(quality, &CameraQuality::projection, map) /
                         worstOf(quality, &CameraQuality::projection_stated, map);
@@ -114,7 +117,8 @@ void scaleToClustered(std::size_t map, Quality& quality) {
   for (FurtherView& view : quality.further_views) view.before_px *= factor, view.after_px *= factor;
 }
 
-/// What is to be expected of a calibration that succeeded; `on_board`: the data on the fitted board. WorkEnded when there is no time left for all of it.
+/// Adds the expected accuracy of a calibration that succeeded. `on_board`: the data on the fitted board. Throws
+/// WorkEnded if the time does not suffice.
 void addExpectations(const Dataset& data, const Dataset& on_board, const Settings& settings,
                      const Result& result, const FittedRig& rig, const std::vector<ImageGrid>& grids,
                      PhaseClock& clock, Quality& quality) {
@@ -160,7 +164,7 @@ void requireResultOf(const Dataset& data, const Settings& settings, const Result
   const std::string model = result.cameras.empty() ? "" : result.cameras.front().model;
   if (difference.empty() && model != settings.model.name())
     difference =
-        fmt::format("the result is of the model {}, the settings of {}", model, settings.model.name());
+        fmt::format("the result has the model {}, the settings have {}", model, settings.model.name());
   if (difference.empty() && result.sigma_px != settings.sigma_px)
     difference = fmt::format("sigma_px is {} in the result, and {} in the settings", result.sigma_px,
                              settings.sigma_px);

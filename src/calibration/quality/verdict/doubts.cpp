@@ -12,11 +12,11 @@
 namespace slom::calibration {
 namespace {
 
-constexpr double far_off = 4;      // corner: distance over RMS, which noise exceeds once in 10^7 corners
-constexpr double much_worse = 3;   // image: chi2 per measurement over the median
-constexpr double too_noisy = 1.5;  // corners: observed over stated sigma
-constexpr double halves_disagree = 1e-3;     // probability
-constexpr double halves_differ = 1.5;        // over what noise gives
+constexpr double far_off = 4;             // corner: distance over RMS; noise exceeds it once in 10^7 corners
+constexpr double much_worse = 3;          // image: chi2 per measurement over the median
+constexpr double too_noisy = 1.5;         // corners: observed sigma over stated sigma
+constexpr double halves_disagree = 1e-3;  // probability
+constexpr double halves_differ = 1.5;     // RMS over what noise gives
 constexpr double much_more_than_stated = 2;  // clustered over stated standard deviations
 
 double medianChi2(const Result& result) {
@@ -36,7 +36,7 @@ void doubtImages(const Result& result, std::vector<std::string>& doubts) {
   for (const ImageResult* image : result.worstImages(3)) {
     if (image->chi2PerMeasurement() < limit) return;
     doubts.push_back(
-        fmt::format("image {} should be looked at: its residuals are {} times the usual ones", image->image,
+        fmt::format("the residuals of image {} are {} times the usual ones; check the image", image->image,
                     fixedDecimals(std::sqrt(image->chi2PerMeasurement() / medianChi2(result)), 1)));
   }
 }
@@ -58,8 +58,8 @@ void doubtLeverage(const Result& result, std::vector<std::string>& doubts) {
     if (!(corner.error_without_px > hidden * corner.error_px)) continue;
     if (++count > 3) return;
     doubts.push_back(fmt::format(
-        "corner {} of image {} of {} draws the fit to itself: without it, it is {} px off", corner.number,
-        corner.image, result.cameras[corner.camera].name, twoDigits(corner.error_without_px)));
+        "corner {} of image {} of {} pulls the fit towards it: in a fit without it, it is {} px off",
+        corner.number, corner.image, result.cameras[corner.camera].name, twoDigits(corner.error_without_px)));
   }
 }
 
@@ -67,7 +67,8 @@ void doubtNoise(const Result& result, std::vector<std::string>& doubts) {
   const double observed = std::sqrt(result.chi2PerDof());
   if (!(observed > too_noisy)) return;
   doubts.push_back(fmt::format(
-      "the residuals are {} times what the stated sigmas allow, so all {} are too small by about that factor",
+      "the residuals are {} times as large as the stated sigmas predict, so all {} are too small by about "
+      "that factor",
       fixedDecimals(observed, 1),
       result.quality->is_clustered ? "stated uncertainties" : "uncertainties here"));
 }
@@ -77,12 +78,12 @@ void doubtIndependence(const Result& result, std::vector<std::string>& doubts) {
       !(result.clustered->ratio > much_more_than_stated))
     return;
   doubts.push_back(fmt::format(
-      "errors last over many images, as by a drift or a model that is too simple, so that all uncertainties are rough, and {} "
-      "times the stated ones",
+      "errors last over many images, for example by a drift or a model that is too simple, so all "
+      "uncertainties are rough, at {} times the stated ones",
       fixedDecimals(result.clustered->ratio, 1)));
 }
 
-/// What moves parameters in all images alike, which no standard deviation shows.
+/// Adds errors that move parameters in all images alike. No standard deviation shows them.
 void doubtPatterns(const Result& result, std::vector<std::string>& doubts) {
   bool has_board = false;
   for (const ResidualPattern& pattern : result.quality->patterns) {
@@ -92,7 +93,8 @@ void doubtPatterns(const Result& result, std::vector<std::string>& doubts) {
       case ResidualPattern::Kind::board_shape:
         if (!std::exchange(has_board, true))
           doubts.push_back(fmt::format(
-              "corners of the board are not where they are stated to be, by at least {} mm off its plane and {} mm within it",
+              "corners of the board are displaced from their stated positions, by at least {} mm off the "
+              "plane and {} mm within it",
               twoDigits(1e3 * pattern.value), twoDigits(1e3 * pattern.second)));
         break;
       case ResidualPattern::Kind::image_place:
@@ -105,10 +107,11 @@ void doubtPatterns(const Result& result, std::vector<std::string>& doubts) {
       case ResidualPattern::Kind::row_readout:
         if (!isExplained(pattern, result))
           doubts.push_back(
-              fmt::format("rows of {} seem to be read out one after the other while it moves", camera));
+              fmt::format("{} seems to read its rows one after the other while it moves", camera));
         break;
       case ResidualPattern::Kind::time_offset:
-        doubts.push_back(fmt::format("{} and {} are not simultaneous", result.cameras.front().name, camera));
+        doubts.push_back(fmt::format("{} and {} do not take their images at the same time",
+                                     result.cameras.front().name, camera));
         break;
       default:
         break;
@@ -137,14 +140,14 @@ void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
   const SplitHalf& split = result.quality->split_half;
   if (!split.why_not.empty() && result.quality->cut_short.empty())
     doubts.push_back("two halves of the images cannot be compared: " + split.why_not);
-  // Where the residuals are larger than stated, so may the difference of the halves be.
+  // Larger residuals than stated also allow for a larger difference of the halves.
   const double noise = std::max(1.0, std::sqrt(result.chi2PerDof()));
   for (std::size_t c = 0; c < split.cameras.size(); ++c) {
     const SplitHalfCamera& camera = split.cameras[c];
     if (!std::isfinite(camera.rms_px) || !std::isfinite(camera.expected_rms_px) ||
         !std::isfinite(camera.probability)) {
       doubts.push_back(fmt::format(
-          "two halves of the images of {} cannot be compared, as one of them gives no usable lens",
+          "two halves of the images of {} cannot be compared, because one of them gives no usable lens",
           result.cameras[c].name));
       continue;
     }
@@ -152,7 +155,7 @@ void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
         camera.rms_px < halves_differ * noise * camera.expected_rms_px)
       continue;
     doubts.push_back(
-        fmt::format("two halves of the images of {} disagree by {} px where noise alone gives {} px",
+        fmt::format("two halves of the images of {} disagree by {} px, more than the {} px from noise alone",
                     result.cameras[c].name, twoDigits(camera.rms_px), twoDigits(camera.expected_rms_px)));
   }
 }

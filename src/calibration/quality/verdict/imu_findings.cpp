@@ -13,8 +13,9 @@ namespace slom::calibration {
 namespace {
 
 constexpr double least_on_earth = 9.78, most_on_earth = 9.84;  // [m/s^2]
-constexpr double other_unit = 0.5;  // [m/s^2] off the Earth's gravity, which no sensor's scale error explains
-constexpr double weak_ratio = 3;    // std over what it would be if the other were fixed
+constexpr double other_unit =
+    0.5;                          // off the Earth's gravity [m/s^2]; no sensor's scale error explains as much
+constexpr double weak_ratio = 3;  // std over the std with the other parameter fixed
 constexpr double weak_gravity = 0.1;    // [m/s^2]
 constexpr double weak_rotation = 0.02;  // [rad]
 constexpr double misfit = 5;            // RMS of the readings over sigma_acc
@@ -23,13 +24,14 @@ double offEarth(const ImuResult& imu) {
   return std::max(least_on_earth - std::abs(imu.gravity), std::abs(imu.gravity) - most_on_earth);
 }
 
-/// A unit that accelerations are written in.
+/// A unit for accelerations.
 struct AccelerationUnit {
   const char* name;
   double metres_per_second2;
 };
 
-/// Names the units in which this gravity would be that of the Earth, to 5 %, and says what to do. Empty if there is no such unit.
+/// Names the units in which this gravity would be that of the Earth, to 5 %, and says what to do. Empty if there is
+/// no such unit.
 std::string remedyOfUnit(double gravity) {
   constexpr AccelerationUnit units[] = {
       {"g", 9.80665}, {"mg", 9.80665e-3}, {"cm/s^2", 0.01}, {"mm/s^2", 0.001}, {"ft/s^2", 0.3048}};
@@ -61,7 +63,7 @@ void findMisfit(const Result& result, std::vector<ImuFinding>& findings) {
   if (!(imu.rms_acc > limit)) return;
   findings.push_back(
       {ImuFinding::Kind::misfit,
-       fmt::format("the readings of the IMU are off by {} m/s^2 (RMS), where {} are stated",
+       fmt::format("the readings of the IMU are off by {} m/s^2 (RMS), but {} are stated",
                    twoDigits(imu.rms_acc), twoDigits(result.sigma_acc)),
        "check their unit, their image numbers, and that the rig stood still and the board lay level", true});
 }
@@ -70,17 +72,19 @@ void findSign(const ImuResult& imu, std::vector<ImuFinding>& findings) {
   if (imu.sign_evidence < 9) {
     findings.push_back(
         {ImuFinding::Kind::sign,
-         "the sign of gravity is open: the images are tilted about one axis only, and the other sign (with "
-         "the IMU turned half round) fits as well",
+         "the sign of gravity is undetermined: the images are tilted about one axis only, and the other "
+         "sign (with the IMU turned by half a turn) fits as well",
          "add images tilted about another axis"});
   } else if (imu.up_is_known && imu.gravity * imu.up_by_z < 0) {
-    // A reflection of the axes and the opposite sign of gravity leave the same residuals, so that only the user can tell them apart.
+    // A reflection of the axes and the opposite sign of gravity leave the same residuals, so only the user can
+    // distinguish them.
     const bool points_up = imu.reads_gravity;
     findings.push_back(
         {ImuFinding::Kind::handedness,
-         fmt::format("the readings of the IMU point {} by {} m/s^2 at rest, where they must point {}",
+         fmt::format("the readings of the IMU point {} by {} m/s^2 at rest, but they must point {}",
                      points_up ? "up" : "down", twoDigits(std::abs(imu.gravity)), points_up ? "down" : "up"),
-         "check whether one or all of its axes have the wrong sign, or two are exchanged, unless the sensor reports gravity itself",
+         "unless the sensor reports gravity itself, check whether one or all of its axes have the wrong "
+         "sign, or two are exchanged",
          true});
   }
 }
@@ -92,8 +96,8 @@ void findWeakness(const ImuResult& imu, std::vector<ImuFinding>& findings) {
   ImuFinding finding{
       ImuFinding::Kind::weak,
       fmt::format("acc_bias and gravity are weakly determined, because the tilts of the images spread by "
-                  "{:.1f} deg only: they trade off against each other and against the rotation (multiple "
-                  "correlation of gravity with acc_bias {:.4f})",
+                  "only {:.1f} deg: the two trade off against each other and against the rotation "
+                  "(multiple correlation of gravity with acc_bias {:.4f})",
                   imu.tilt_spread * 180 / std::numbers::pi, std::sqrt(1 - 1 / (ratio * ratio))),
       "add images with more tilt, about both axes"};
   finding.is_doubt = imu.gravity_std > weak_gravity || imu.precision.rotation > weak_rotation;
@@ -105,7 +109,7 @@ void findWeakness(const ImuResult& imu, std::vector<ImuFinding>& findings) {
 std::vector<ImuFinding> imuFindings(const Result& result) {
   std::vector<ImuFinding> findings;
   if (!result.imu) return findings;
-  findGravity(*result.imu, findings);  // another unit first: it is the likeliest mistake
+  findGravity(*result.imu, findings);  // first, because another unit is the likeliest mistake
   findSign(*result.imu, findings);
   findMisfit(result, findings);
   findWeakness(*result.imu, findings);

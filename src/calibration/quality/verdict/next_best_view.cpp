@@ -21,7 +21,7 @@ struct Candidate {
   Information information;
 };
 
-/// The board faces the camera, its upper edge up, and turned by the tilt about an axis in the image.
+/// An attitude of the board: facing the camera, its upper edge up, turned by the tilt about an axis in the image.
 struct Attitude {
   const char* edge_away;
   vec3 rotation;  ///< in the camera's axes [rad]
@@ -50,8 +50,8 @@ Target targetOf(const View& view, const SE3& some_left2world) {
   return board;
 }
 
-/// left2world for a board whose centre stands at `centre` before camera c: its normal points against the
-/// camera's z axis before it is tilted, its longer side right.
+/// Returns left2world for a board whose centre is at `centre` before camera c. Before the tilt, its normal points
+/// against the camera's z axis, and its longer side points right.
 SE3 placed(const FittedRig& rig, std::size_t c, const Target& board, const vec3& centre,
            const Attitude& attitude) {
   const SO3 facing = SO3::exp(vec3(std::numbers::pi, 0., 0.));
@@ -59,8 +59,8 @@ SE3 placed(const FittedRig& rig, std::size_t c, const Target& board, const vec3&
   return board.board2world * board2camera.inverse() * rig.left2camera[c];
 }
 
-/// What of space a camera sees. Points farther from its axis than any ray of its image are projected into it
-/// as well where a distortion polynomial folds back.
+/// The part of space that a camera sees. The angle is limited, because a distortion polynomial that folds back also
+/// projects points outside all rays into the image.
 struct FieldOfView {
   ImageBox box;
   double least_cosine = 1;  ///< cosine of the largest angle between a ray of the image and the optical axis
@@ -83,10 +83,10 @@ std::vector<FieldOfView> fieldsOfView(const FittedRig& rig, const std::vector<Im
   return fields;
 }
 
-/// What the cameras would see of the board.
+/// Returns the part of the board that the cameras would see.
 Observation observationOf(const FittedRig& rig, const std::vector<FieldOfView>& fields,
                           const std::vector<vec3>& board, const SE3& left2world) {
-  constexpr std::size_t fewest = 4;  // a pose needs as many
+  constexpr std::size_t fewest = 4;  // needed for a pose
   Observation observation{left2world, std::vector<std::vector<vec3>>(rig.lenses.size()), {}};
   for (std::size_t c = 0; c < rig.lenses.size(); ++c) {
     const SE3 world2camera = rig.left2camera[c] * left2world.inverse();
@@ -101,7 +101,7 @@ Observation observationOf(const FittedRig& rig, const std::vector<FieldOfView>& 
   return observation;
 }
 
-/// Boards of which the camera sees two thirds or more.
+/// Adds candidates: boards of which the camera sees two thirds or more.
 void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields, const Target& board,
                    std::size_t c, double distance_m, std::vector<Candidate>& candidates) {
   constexpr int places = 3;
@@ -129,8 +129,8 @@ void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields,
   }
 }
 
-/// Some points, the most uncertain first, in a few parts: nearly all candidates are worse than the best one so far already at
-/// the first of these.
+/// Returns the points in a few parts, the most uncertain first. Nearly all candidates are worse than the best so far
+/// already in the first part.
 std::vector<ProjectedPoints> inParts(const ProjectedPoints& points, const std::vector<double>& std) {
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
@@ -148,7 +148,8 @@ struct WorstPoint {
   DirectedPoint point{};
 };
 
-/// The point with the largest standard deviation; the search ends early at one whose standard deviation is not below `limit`.
+/// Returns the point with the largest standard deviation. Ends early at a point whose standard deviation reaches
+/// `limit`.
 WorstPoint worstPoint(const std::vector<ProjectedPoints>& parts, const Posterior& posterior, double limit) {
   WorstPoint worst;
   for (const ProjectedPoints& part : parts) {
@@ -161,17 +162,17 @@ WorstPoint worstPoint(const std::vector<ProjectedPoints>& parts, const Posterior
   return worst;
 }
 
-/// The best candidate and the worst standard deviation with it; none when none brings that below `before`.
+/// The best candidate and the worst standard deviation with it; no candidate if none is below `before`.
 struct Choice {
   const Candidate* candidate = nullptr;
   double after = 0;
 };
 
-/// Tries the candidates by rising lower bounds of the worst standard deviation. Points that the tried ones
-/// leave uncertain are such for others, too: each adds a bound.
+/// Tries the candidates by ascending lower bounds of the worst standard deviation. Points that remain uncertain with
+/// one candidate are uncertain with others, too: each adds a bound.
 Choice bestOf(const std::vector<Candidate>& candidates, const Information& so_far,
               const std::vector<ProjectedPoints>& parts, double before, const Limits& limits) {
-  constexpr std::size_t most_bounds = 8;  // more cost more than they spare
+  constexpr std::size_t most_bounds = 8;  // more cost more than they save
   std::vector<VarianceBound> bounds;
   const auto addBound = [&](const WorstPoint& worst, const Posterior& posterior) {
     if (bounds.size() < most_bounds && worst.std > 0)

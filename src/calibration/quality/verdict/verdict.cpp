@@ -25,7 +25,7 @@ void doubtStrays(const Result& result, std::vector<std::string>& doubts) {
   }
 }
 
-/// The largest of all cameras, at one of the distances.
+/// Returns the largest figure of all cameras, at one of the distances.
 double largest(const Quality& quality, std::size_t map, double ProjectionUncertainty::*figure) {
   double most = 0;
   for (const CameraQuality& camera : quality.cameras) {
@@ -43,7 +43,7 @@ std::string failure(const Result& result) {
   return fmt::format("The calibration did not converge: {}. {}", result.stop_reason, advice);
 }
 
-/// How well the projection is known and where, as far as that was found out.
+/// Returns a clause on how well the projection is known, and where, as far as the assessment got.
 std::string knownProjection(const Quality& quality) {
   if (!quality.hasProjection()) return "";
   std::string text = fmt::format(
@@ -58,7 +58,7 @@ std::string knownProjection(const Quality& quality) {
   return text;
 }
 
-/// Whether the quality is of as many cameras as the result, in all of its parts.
+/// Returns whether all parts of the quality fit the number of cameras of the result.
 bool isOfSameRig(const Quality& quality, const Result& result) {
   const std::size_t cameras = result.cameras.size();
   const auto has_projection = [](const CameraQuality& camera) { return !camera.projection.empty(); };
@@ -79,13 +79,13 @@ void requireQuality(const Result& result) {
            "result");
   if (!result.quality)
     refuse(
-        "there is no verdict on a result without an assessment; set result.quality to assess(data, "
-        "settings, result) before",
+        "there is no verdict on a result without an assessment; first set result.quality to assess(data, "
+        "settings, result)",
         "quality");
   if (!isOfSameRig(*result.quality, result))
     refuse(
-        "there is no verdict on a result with the assessment of another one; set result.quality to "
-        "assess(data, settings, result) before",
+        "there is no verdict on a result with the assessment of another one; first set result.quality to "
+        "assess(data, settings, result)",
         "quality");
 }
 
