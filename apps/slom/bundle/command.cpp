@@ -25,7 +25,7 @@ namespace {
 constexpr const char* help_text =
     R"(slom bundle problem.txt --output fitted.txt --output fitted.ply --json result.json
 
-Fit cameras and points to images of the points, from a BAL file (bundle adjustment).
+Fit cameras and points to images, from a BAL file (bundle adjustment).
 Each camera has a pose, a focal length and two coefficients of radial distortion.
 )";
 
