@@ -161,7 +161,7 @@ TEST_F(Copies, InTwoCamerasUnderOtherNumbersAreRefused) {
   for (View& view : right().views) view.image += 100, view.photo = "r.png";
   right().views.pop_back();
   right().views.back().corners.resize(4);
-  EXPECT_TRUE(refusal().starts_with("camera left and camera right have the same corners in 4 of 4 images"));
+  EXPECT_TRUE(refusal().starts_with("cameras left and right have the same corners in 4 of 4 images"));
 }
 
 TEST_F(Copies, InTwoCamerasOfFewImagesAreNotRefused) {

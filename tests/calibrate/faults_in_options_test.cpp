@@ -32,7 +32,7 @@ TEST(CalibrateFaults, CameraSyntax) {
   for (const std::string text : {"1=a.csv", "left cam=a.csv", "l\"=a.csv"}) {
     expectRefused(Files(), {"--camera", text},
                   "--camera " + text +
-                      ": the name must begin with a letter and hold letters, digits, _ and - only; rename "
+                      ": the name must begin with a letter and contain only letters, digits, _ and -; rename "
                       "the camera");
   }
 }
@@ -156,7 +156,7 @@ TEST(CalibrateFaults, ValuesThatNoCameraHas) {
   refused("--fix", "k1=-1e200",
           "a coefficient of distortion lies between -1e+06 and 1e+06; give such a value");
   for (const std::string value : {"0,1e-300", "-500,-400", "1e10,1e11"})
-    refused("--bound", "fx=" + value, focal + ", and nothing of that within these limits; give others");
+    refused("--bound", "fx=" + value, focal + ", and these limits allow none of that; give others");
 }
 TEST(CalibrateFaults, Formats) {
   const auto with = [](std::vector<std::string> more) {
@@ -171,7 +171,7 @@ TEST(CalibrateFaults, Formats) {
                 "--format matlab: the formats are opencv, ros and kalibr");
   expectRefused(
       Files(), with({"--format", "ros", "--output", "DIR/c.yaml"}),
-      "--output c.yaml: ROS has one file for each camera; write {name} where the camera's name is to stand, as in --output "
+      "--output c.yaml: ROS needs one file for each camera; write {name} in place of the camera's name, as in --output "
       "'{name}.yaml'");
   expectRefused(
       Files(), with({"--output", "DIR/{name}.yaml"}),

@@ -302,7 +302,7 @@ TEST_F(Images, OfABoardOfAnotherSizeAreToldWhichOneItIs) {
     return std::vector<std::string>{"--board", board, "--square", "0.03", "--images", "left=left*.pgm"};
   };
   for (const std::string size : {"10x7", "9x5", "8x6", "7x6", "6x5", "5x4"}) {
-    expectRefused(options(size), "left01.pgm: it shows a chessboard of 9x6 inner corners, not " + size +
+    expectRefused(options(size), "left01.pgm: shows a chessboard of 9x6 inner corners, not " + size +
                                      "; count them where four squares meet, and give --board 9x6");
   }
   for (int i = 3; i <= 6; ++i) std::filesystem::remove(folder / ("left0" + std::to_string(i) + ".pgm"));

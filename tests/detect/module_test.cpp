@@ -49,7 +49,7 @@ TEST(DetectorModule, IsNotFoundWhereTheProgramIsNotKnown) {
 TEST(DetectorModule, HasNoPlaceWhereTheProgramIsNotInstalled) {
   for (const std::string program : {"/srv/x/slom", "/slom", "/opt/bin/x/slom", "/opt/xbin/slom"}) {
     const std::string refusal = refusalOf([&] { detectorFile(program); });
-    EXPECT_TRUE(refusal.starts_with("--images: this program is not in a folder ")) << refusal;
+    EXPECT_TRUE(refusal.starts_with("--images: this program is not in its installation folder ")) << refusal;
     EXPECT_TRUE(refusal.ends_with("install slom as a whole, or give the corners by --camera NAME=FILE"))
         << refusal;
   }

@@ -19,7 +19,7 @@ constexpr const char* help_text =
 slom calibrate --camera left=left_corners.csv --camera right=right_corners.csv --imu imu.csv \
                --json result.json --output calibration.yaml
 
-Calibrate cameras, and an IMU on the same rig, from images of a flat board.
+Calibrate cameras, and an IMU on their rig, from images of a board.
 Needs no start values. The first camera is the reference. With an IMU, the board must lie level.
 
 Photographs:  the last number in a file's name is the number of the image.
