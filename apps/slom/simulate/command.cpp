@@ -48,7 +48,7 @@ void addStereoImu(CLI::App& simulate) {
   CLI::App& command = *simulate.add_subcommand(
       "stereo-imu",
       "slom simulate stereo-imu --seed 1 --output simulated\n\n"
-      "Simulate a stereo camera with an accelerometer that looks at a level chessboard.\n"
+      "Simulate a stereo camera with an accelerometer and a level board.\n"
       "Writes left_corners.csv, right_corners.csv and imu.csv for slom calibrate, and truth.json.\n");
   command.add_option("--output", arguments->output, "folder for the files; created if it is missing")
       ->type_name("FOLDER")
