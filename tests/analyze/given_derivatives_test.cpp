@@ -81,7 +81,8 @@ TEST(WrongDerivatives, AreFoundOncePerStructureAndSaidEachTime) {
   };
   const Texts first = warnings();
   ASSERT_EQ(first.size(), 1u);
-  EXPECT_NE(first[0].find(": it is too large by the factor 2; wrong derivatives"), std::string::npos) << first[0];
+  EXPECT_NE(first[0].find(": it is too large by the factor 2; wrong derivatives"), std::string::npos)
+      << first[0];
   const int at_rest = evaluations;
   est.insertRV(2.0, false);
   EXPECT_EQ(warnings(), first);
