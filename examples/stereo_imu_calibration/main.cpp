@@ -1,7 +1,7 @@
-// The paper's worked example: calibrates a stereo camera and an IMU from images of a level checkerboard. Names and
-// lines are those of section 2 of "Tutorial on Quick and Easy Model Fitting Using the SLoM Framework". Lines 1 to 9 are
-// in types.hpp, the camera model in camera.cpp, input and rough start values in data.cpp. Line 38 rotates the
-// acceleration by the orientation alone: it is a direction, which a translation must not move.
+// The paper's worked example: calibrates a stereo camera and an IMU from images of a level checkerboard. The code
+// follows section 2 of "Tutorial on Quick and Easy Model Fitting Using the SLoM Framework", with the same names and line
+// numbers. Lines 1 to 9 of the paper are in types.hpp. The camera model is in camera.cpp, input and rough start values
+// are in data.cpp. Line 38 uses only the orientation to rotate the acceleration: a translation must not move a direction.
 #include <iostream>
 
 #include "data.hpp"

@@ -16,7 +16,7 @@ Diagnosis diagnose(const Estimator& est) {
   EstimatorState& own = stateOf(est);
   Diagnosis result = own.analyze([](const LinearizedProblem& linearized) { return linearized.diagnosis(); });
   result.unconverged = own.whyUnconverged();
-  for (Finding& finding : result.findings)  // what is free is meant to be
+  for (Finding& finding : result.findings)  // a free gauge is intended, so it is no fault
     finding.is_fault =
         finding.is_fault && !(finding.kind == Finding::Kind::gauge && own.gauge != FreeGauge::error);
   if (own.sigma == Sigma::estimated)

@@ -54,7 +54,7 @@ TEST(CalibrateFaults, SeveralFilesAfterOneOption) {
   for (const std::string files : {"left=DIR/*.csv", "left=DIR/left.csv,DIR/right.csv"}) {
     expectRefused(Files(), {"--camera", files},
                   "--camera " + replaced(files, "DIR/", "") +
-                      ": there is no such file; give one --camera for each file of a recording");
+                      ": this file does not exist; pass --camera once for each file of a recording");
   }
   expectRefused(
       Files(), {"--camera", "left=DIR/left.csv", "--imu", "DIR/imu.csv", "--imu", "DIR/imu2.csv"},

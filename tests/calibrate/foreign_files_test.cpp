@@ -406,10 +406,11 @@ TEST(ForeignFiles, BadOnesAreRefusedInOneSentence) {
                  {"s.yml", yaml, {"--board", "5x7"}},
                  "s.yml:6: the file has a board of 7 x 5 corners, but 5 x 7 are stated; correct one of "
                  "them"});
-  expectRefused({"no corners",
-                 {"s.yml", replaced(yaml, "image_points", "extrinsics"), {}},
-                 "s.yml:3: there is no key image_points, only calibration_time, image_width, image_height, "
-                 "board_width,...; write the corners too, as OpenCV's calibration sample does with -op"});
+  expectRefused(
+      {"no corners",
+       {"s.yml", replaced(yaml, "image_points", "extrinsics"), {}},
+       "s.yml:3: the file has no key image_points, only calibration_time, image_width, image_height, "
+       "board_width,...; write the corners too, as OpenCV's calibration sample does with -op"});
   expectRefused({"a target",
                  {"t.yaml", "target_type: 'checkerboard'\n", {}},
                  "t.yaml:1: this is a target of Kalibr, without corners; give it as the board"});

@@ -60,7 +60,7 @@ void requireNoPattern(const std::string& text, const std::string& file) {
   std::error_code ignored;
   if (file.find_first_of("*?,") == std::string::npos || std::filesystem::exists(file, ignored)) return;
   throw UserError(fmt::format(
-      "--camera {}: there is no such file; give one --camera for each file of a recording", text));
+      "--camera {}: this file does not exist; pass --camera once for each file of a recording", text));
 }
 
 std::vector<CameraFile> parseCameras(const std::vector<std::string>& texts) {

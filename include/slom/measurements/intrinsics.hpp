@@ -143,8 +143,9 @@ struct FisheyeIntrinsics : detail::CentredLens<8, S> {
 };
 
 /// The lens of "Bundle adjustment in the large": f [px], k1, k2, no image centre. This camera looks along -z, with y
-/// upwards. With p = -(x, y) / z the pixel is f (1 + k1 |p|^2 + k2 |p|^4) p, from the image centre, v upwards. As
-/// published, there is no test for points behind the camera (z > 0), which have a mirrored image. Not finite for z = 0.
+/// upwards. With p = -(x, y) / z the pixel is f (1 + k1 |p|^2 + k2 |p|^4) p, from the image centre, v upwards. The
+/// published model does not reject points behind the camera (z > 0): it gives them a mirrored image. For z = 0 the pixel
+/// is not finite.
 ///   source   Agarwal, Snavely, Seitz, Szeliski, 2010, and the description of the data sets on the project's page
 template <class S = double>
 struct SnavelyIntrinsics : mtk::vect<3, S> {

@@ -92,7 +92,7 @@ class Storage {
     document_.fail(
         root.line,
         fmt::format(
-            "there is no key image_points, only {}; write the corners too, as OpenCV's calibration sample "
+            "the file has no key image_points, only {}; write the corners too, as OpenCV's calibration sample "
             "does with -op",
             shortened(fmt::format("{}", fmt::join(root.keys, ", ")), longest_quote)));
   }

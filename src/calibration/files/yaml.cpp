@@ -145,8 +145,8 @@ class YamlReader {
       at_ = std::min(colon, text_.size());
     }
     if (peek() != ':')
-      document_.fail(line_,
-                     fmt::format("there is no colon after {}; write one", shortened(name, longest_quote)));
+      document_.fail(
+          line_, fmt::format("the key {} has no colon; write one after it", shortened(name, longest_quote)));
     ++at_;
     return name;
   }

@@ -9,6 +9,7 @@
 #include "calibration/data/image_box.hpp"
 #include "calibration/data/view_facts.hpp"
 #include "calibration/median.hpp"
+#include "calibration/models/lens.hpp"
 #include "slom/calibration/board.hpp"
 
 namespace slom::calibration {
@@ -70,9 +71,10 @@ std::map<int, SE3> posesOf(const Result& result) {
 
 std::vector<double> distancesOf(const View& view, const CameraResult& camera, const SE3& left2world) {
   const SE3 world2camera = camera.left2camera * left2world.inverse();
+  const Lens lens = lensOf(camera);
   std::vector<double> distances;
   for (const Corner& corner : view.corners)
-    distances.push_back((camera.project(vec3(world2camera * corner.world)) - corner.pixel).norm());
+    distances.push_back((lens.project(vec3(world2camera * corner.world)) - corner.pixel).norm());
   return distances;
 }
 

@@ -60,11 +60,8 @@ std::vector<double> heldOutSquares(const Dataset& data, const Settings& settings
     }
     const Dataset others = data.withImages([&](int image) { return !is_held_out[image]; });
     RigProblem problem(others, settings, cameras, start, {}, board ? &*board : nullptr);
-    Options options;
-    options.max_iterations = settings.max_iterations;
+    Options options = optionsOf(settings);
     options.most_parameters = 0;
-    options.deviation_tolerance = enough_deviations;
-    applyLimits(settings.limits, options);
     problem.optimize(options);
     RigStart fitted = problem.rig();
     fitted.left2world = rig.left2world;

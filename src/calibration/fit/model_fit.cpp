@@ -141,10 +141,7 @@ Result calibrateOnce(const Dataset& data, const PlanesByCamera& planes, const st
   }
 
   RigProblem problem(data, settings, cameras, rig, imu);
-  Options options;
-  options.max_iterations = settings.max_iterations;
-  options.deviation_tolerance = enough_deviations;
-  applyLimits(settings.limits, options);
+  Options options = optionsOf(settings);
   options.observer = progress.iteration;
   Result result = problem.result(optimizeFromStart(problem, options, data, settings.robust));
   if (!parallel.empty() && hasOpenFocalLength(result)) result.declareUndetermined(parallel);
@@ -200,10 +197,7 @@ ModelTrial tryModelOnce(const Dataset& data, const PlanesByCamera& planes, const
   try {
     const auto start = startModel(data, planes, settings, {});
     RigProblem problem(data, settings, start.cameras, start.rig, {});
-    Options options;
-    options.max_iterations = settings.max_iterations;
-    options.deviation_tolerance = enough_deviations;
-    applyLimits(settings.limits, options);
+    Options options = optionsOf(settings);
     options.most_parameters = 0;
     const Summary summary = problem.optimize(options);
     trial.unknowns = summary.unknowns;
@@ -251,10 +245,7 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   Settings same = settings;
   same.sigma_denominator = start.sigma_denominator;
   RigProblem problem(data, same, cameras, rig, {}, start.board ? &*start.board : nullptr);
-  Options options;
-  options.max_iterations = settings.max_iterations;
-  options.deviation_tolerance = enough_deviations;
-  applyLimits(settings.limits, options);
+  Options options = optionsOf(settings);
   options.most_parameters = 0;
   options.decrease_tolerance =
       rough_tolerance;  // the start is so near that the rest is far below a standard deviation

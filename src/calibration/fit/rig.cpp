@@ -6,6 +6,7 @@
 #include "calibration/fit/imu_precision.hpp"
 #include "calibration/fit/lens_constraints.hpp"
 #include "calibration/fit/measurements.hpp"
+#include "calibration/fit/single_camera.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
 #include "calibration/rotation_vector.hpp"
@@ -15,6 +16,14 @@ namespace slom::calibration {
 std::string sentenceOf(const slom::Error& error) {
   const bool names_unknown = error.id() == "slom.rank-deficient" && !error.subject().empty();
   return names_unknown ? "the measurements do not determine " + error.subject() : std::string(error.fault());
+}
+
+Options optionsOf(const Settings& settings) {
+  Options options;
+  options.max_iterations = settings.max_iterations;
+  options.deviation_tolerance = enough_deviations;
+  applyLimits(settings.limits, options);
+  return options;
 }
 
 RigProblem::RigProblem(const Dataset& data, const Settings& settings, const std::vector<Lens>& cameras,

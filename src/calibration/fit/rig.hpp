@@ -59,6 +59,9 @@ class RigProblem {
   std::optional<BoardUnknowns> board_;  ///< set if the shape is estimated
 };
 
+/// Returns the options of a fit of the rig: the limits of the settings, and enough_deviations as its tolerance.
+Options optionsOf(const Settings& settings);
+
 /// Returns the fault only. Leaves out the library's id and its remedy, which addresses programmers.
 std::string sentenceOf(const slom::Error& error);
 
