@@ -3,16 +3,18 @@
 
 #include <gtest/gtest.h>
 
-// What the sanitizers' libraries define, in programs that are linked with them.
-extern "C" {
-__attribute__((weak)) void __asan_init();
-__attribute__((weak)) void __tsan_init();
-}
+#include "mtk/detail/sanitizers.hpp"
 
 namespace slom::testing {
 
-/// The program runs under the address or the thread sanitizer. The test itself may be compiled without: see SLOM_TEST_OBJECTS.
-inline bool hasSanitizers() { return __asan_init != nullptr || __tsan_init != nullptr; }
+/// Returns whether the program runs under the address or the thread sanitizer.
+constexpr bool hasSanitizers() {
+#if defined(MTK_ADDRESS_SANITIZER) || defined(MTK_THREAD_SANITIZER)
+  return true;
+#else
+  return false;
+#endif
+}
 
 }  // namespace slom::testing
 
