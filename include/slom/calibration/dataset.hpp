@@ -38,6 +38,8 @@ struct Corner {
   int line = 0;    ///< line in CameraData::file, for messages; 0: none
   /// Standard deviation divided by Settings::sigma_px. For example 2 if a detector reports twice the uncertainty.
   double sigma = 1;
+  /// Derivative of the pixel by CameraResult::readout [px]. calibrate() sets it if Settings::rolling_shutter is true.
+  vec2 by_readout{0., 0.};
 };
 
 /// The corners of one camera in one image.

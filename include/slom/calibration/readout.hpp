@@ -30,8 +30,8 @@ struct ReadoutTrial {
   bool isFound() const;
 };
 
-/// Returns a trial for each camera of a successful result; nothing if its corners are not known to move. `data` must be
-/// those passed to calibrate().
+/// Returns a trial for each camera of a successful result; nothing if its corners are not known to move, or if its readout
+/// was estimated. `data` must be those passed to calibrate().
 std::vector<std::optional<ReadoutTrial>> compareReadout(const Dataset& data, const Result& result);
 
 }  // namespace slom::calibration

@@ -1,5 +1,6 @@
 #include "calibration/fit/as_fitted.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -159,19 +160,31 @@ Dataset withNoiseOf(const Result& result, const Dataset& data) {
   return weighted;
 }
 
-Dataset withoutReadout(const Dataset& data, const Result& result) {
-  Dataset still = data;
+Dataset withMotion(const Result& result, const Dataset& data) {
+  Dataset moving = data;
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
-    if (!result.cameras[c].readout) continue;
     const double height = imageBoxOf(data.cameras[c], result.cameras[c]).height;
     const auto motions = motionsByPoses(data.cameras[c], result.cameras[c], result);
     for (std::size_t i = 0; i < motions.size(); ++i) {
       for (std::size_t k = 0; k < motions[i].size(); ++k) {
-        const Eigen::Vector2d& motion = motions[i][k];
-        Corner& corner = still.cameras[c].views[i].corners[k];
-        if (motion.allFinite())
-          corner.pixel -= result.cameras[c].readout->value * corner.pixel.y() / height * motion;
+        Corner& corner = moving.cameras[c].views[i].corners[k];
+        corner.by_readout =
+            motions[i][k].allFinite() ? vec2(corner.pixel.y() / height * motions[i][k]) : vec2();
       }
+    }
+  }
+  return moving;
+}
+
+Dataset withoutReadout(const Dataset& data, const Result& result) {
+  if (std::none_of(result.cameras.begin(), result.cameras.end(), [](const auto& c) { return c.readout; }))
+    return data;
+  Dataset still = withMotion(result, data);
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    if (!result.cameras[c].readout) continue;
+    for (View& view : still.cameras[c].views) {
+      for (Corner& corner : view.corners)
+        corner.pixel -= result.cameras[c].readout->value * corner.by_readout;
     }
   }
   return still;

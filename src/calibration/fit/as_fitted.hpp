@@ -16,8 +16,12 @@ namespace slom::calibration {
 /// Returns the data without readout, with the noise of the result. `data` must be sorted, as for all functions here.
 Dataset asFitted(const Result& result, const Dataset& data);
 
-/// Returns the data as a camera that reads all rows at once would have seen them. Moves each pixel back by the motion
-/// of its corner until its row is read: value (row / height) motion.
+/// Returns the data with Corner::by_readout from the poses of the result: (row / height) motion. Corners that are not
+/// known to move get 0.
+Dataset withMotion(const Result& result, const Dataset& data);
+
+/// Returns the data as a camera that reads all rows at once would have seen them, with Corner::by_readout. Moves each
+/// pixel back by the motion of its corner until its row is read.
 Dataset withoutReadout(const Dataset& data, const Result& result);
 
 /// Returns the data with Corner::sigma multiplied by the noise factors of the result.

@@ -18,18 +18,17 @@ class CornerOfShape {
     const vec3 in_left = left2world.inverse() * at(shape);
     return vec2(camera.project(left2camera * in_left) - corner_->pixel);
   }
+  /// Returns the derivative by the readout of the camera.
+  const vec2& byReadout() const { return corner_->by_readout; }
 
  protected:
   void differentiated(const Lens& camera, const SE3& left2camera, const SE3& left2world, const vec3& shape,
                       auto by_camera, auto by_left2camera, auto by_left2world, auto& by_shape) const {
-    const vec3 point = at(shape);
-    Eigen::Matrix<double, 2, 6> pose;
-    differentiatePixels(
-        camera, left2camera, left2world, 1, [&](std::size_t) -> const vec3& { return point; }, by_camera,
-        by_left2camera, &pose);
-    // Moving the board is the opposite of moving the camera.
-    by_shape = -pose.leftCols<3>() * *map_;
-    *by_left2world = pose;
+    const SeenBoard::Rows rows = SeenBoard(camera, left2camera, left2world).rowsOf(at(shape));
+    *by_camera = rows.seen.by_parameters;
+    if constexpr (!std::is_null_pointer_v<decltype(by_left2camera)>) *by_left2camera = rows.by_left2camera;
+    *by_left2world = rows.by_left2world;
+    by_shape = rows.by_point * *map_;
   }
 
  private:

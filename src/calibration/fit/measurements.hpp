@@ -3,11 +3,12 @@
 
 #include <cstddef>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <slom/slom.hpp>
 
-#include "calibration/cross_matrix.hpp"
+#include "calibration/fit/seen_board.hpp"
 #include "calibration/models/lens.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/types.hpp"
@@ -21,33 +22,6 @@ struct CornerInOther {
     return camera.project(left2camera * (left2world.orient.inverse() * (corner - left2world.pos)));
   }
 };
-
-/// Computes the Jacobian of the pixels of points [px], two rows for each: `point_of(i)` in the world, i < count.
-/// Skips blocks that are a nullptr. Rotations are perturbed on the right, and translation comes before rotation.
-template <class PointOf, class ByCamera, class ByLeft2Camera, class ByLeft2World>
-void differentiatePixels(const Lens& camera, const SE3& left2camera, const SE3& left2world, std::size_t count,
-                         const PointOf& point_of, ByCamera by_camera, ByLeft2Camera by_left2camera,
-                         ByLeft2World by_left2world) {
-  const Eigen::Matrix3d R = left2camera.orient.toRotationMatrix();
-  const Eigen::Matrix3d world2left = left2world.orient.toRotationMatrix().transpose();
-  const Eigen::Vector3d origin = left2world.pos, offset = left2camera.pos;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto row = 2 * Eigen::Index(i);
-    const Eigen::Vector3d in_left = world2left * (point_of(i) - origin);
-    const auto d = camera.differentiate(R * in_left + offset);
-    const Eigen::Matrix<double, 2, 3> by_left = d.by_point * R;
-    const Eigen::Matrix<double, 2, 3> by_turn = by_left * crossMatrix(in_left);
-    if constexpr (!std::is_null_pointer_v<ByCamera>) by_camera->template middleRows<2>(row) = d.by_parameters;
-    if constexpr (!std::is_null_pointer_v<ByLeft2Camera>) {
-      by_left2camera->template block<2, 3>(row, 0) = d.by_point;
-      by_left2camera->template block<2, 3>(row, 3) = -by_turn;
-    }
-    if constexpr (!std::is_null_pointer_v<ByLeft2World>) {
-      by_left2world->template block<2, 3>(row, 0).noalias() = -by_left * world2left;
-      by_left2world->template block<2, 3>(row, 3) = by_turn;
-    }
-  }
-}
 
 /// The corners of the board in one image of a camera, as one measurement: differences between predicted and found
 /// pixels, divided by Corner::sigma [px]. Takes all corners of a view, or every `step`-th. The corners must outlive
@@ -69,20 +43,28 @@ class CornersOfView {
     return difference;
   }
 
+  /// Returns the derivative of the differences by the readout of the camera (Corner::by_readout).
+  Eigen::VectorXd byReadout() const {
+    Eigen::VectorXd all(2 * Eigen::Index(count()));
+    for (std::size_t i = 0; i < count(); ++i)
+      all.segment<2>(2 * Eigen::Index(i)) = corner(i).by_readout / corner(i).sigma;
+    return all;
+  }
+
  protected:
+  /// Sets the blocks of the Jacobian that are not a nullptr.
   void differentiated(const Lens& camera, const SE3& left2camera, const SE3& left2world, auto by_camera,
                       auto by_left2camera, auto by_left2world) const {
-    differentiatePixels(
-        camera, left2camera, left2world, count(), [&](std::size_t i) { return corner(i).world; }, by_camera,
-        by_left2camera, by_left2world);
+    const SeenBoard board(camera, left2camera, left2world);
     for (std::size_t i = 0; i < count(); ++i) {
-      if (corner(i).sigma == 1) continue;
-      const auto row = 2 * Eigen::Index(i);
-      const auto divide = [&](auto block) {
+      const SeenBoard::Rows rows = board.rowsOf(corner(i).world);
+      const auto set = [&](auto block, const auto& derivative) {
         if constexpr (!std::is_null_pointer_v<decltype(block)>)
-          block->template middleRows<2>(row) /= corner(i).sigma;
+          block->template middleRows<2>(2 * Eigen::Index(i)) = derivative / corner(i).sigma;
       };
-      divide(by_camera), divide(by_left2camera), divide(by_left2world);
+      set(by_camera, rows.seen.by_parameters);
+      set(by_left2camera, rows.by_left2camera);
+      set(by_left2world, rows.by_left2world);
     }
   }
 
@@ -119,6 +101,39 @@ struct ViewOfOther : CornersOfView {
                 auto& by_left2world) const {
     differentiated(camera, left2camera, left2world, nullptr, nullptr, &by_left2world);
   }
+};
+
+/// Corners of a camera whose rows are read one after another: a measurement of corners that depends on the readout, too,
+/// as its first variable. Each corner has moved by readout * Corner::by_readout when its row is read.
+template <class Corners>
+class WithReadout {
+ public:
+  explicit WithReadout(const Corners& corners) : corners_(corners), by_readout_(corners.byReadout()) {}
+
+  auto operator()(const mtk::Scalar<>& readout, const auto&... variables) const {
+    auto difference = corners_(variables...);
+    difference += double(readout) * by_readout_;
+    return difference;
+  }
+  void jacobian(const mtk::Scalar<>&, const Lens& a, const auto& b, auto& by_readout, auto& by_a,
+                auto& by_b) const {
+    by_readout = by_readout_;
+    corners_.jacobian(a, b, by_a, by_b);
+  }
+  void jacobian(const mtk::Scalar<>&, const Lens& a, const auto& b, const auto& c, auto& by_readout,
+                auto& by_a, auto& by_b, auto& by_c) const {
+    by_readout = by_readout_;
+    corners_.jacobian(a, b, c, by_a, by_b, by_c);
+  }
+  void jacobian(const mtk::Scalar<>&, const Lens& a, const auto& b, const auto& c, const auto& d,
+                auto& by_readout, auto& by_a, auto& by_b, auto& by_c, auto& by_d) const {
+    by_readout = by_readout_;
+    corners_.jacobian(a, b, c, d, by_a, by_b, by_c, by_d);
+  }
+
+ private:
+  Corners corners_;
+  decltype(std::declval<const Corners&>().byReadout()) by_readout_;
 };
 
 /// Returns gravity from a reading, in the world, minus gravity; the z axis of the world is vertical [m/s^2].

@@ -35,6 +35,7 @@ RigProblem::RigProblem(const Dataset& data, const Settings& settings, const std:
     cameras_.push_back(est_.insertRV(constrained(cameras[c], name, settings), true, name));
     constrain(est_, cameras_.back(), name, settings);
     if (settings.sigma_denominator) addPrior(est_, cameras_.back(), *settings.sigma_denominator);
+    insertReadout(data.cameras[c]);
     left2camera_.push_back(c == 0 ? VarID<SE3>()
                                   : est_.insertRV(rig.left2camera[c], true, reference + "2" + name));
   }
@@ -86,16 +87,38 @@ double RigProblem::rmsOfAll() const {
   return std::sqrt(square / corners);
 }
 
+void RigProblem::insertReadout(const CameraData& camera) {
+  bool moves = false;
+  for (const View& view : camera.views) {
+    for (const Corner& corner : view.corners) moves |= corner.by_readout.squaredNorm() > 0;
+  }
+  readout_.emplace_back();
+  if (settings_.rolling_shutter && moves)
+    readout_.back() = est_.insertRV(mtk::Scalar<>(0), true, camera.name + ".readout");
+}
+
+namespace {
+
+/// Inserts corners as a measurement of these variables and, if there is one, of the readout.
+template <class Corners, class... Variables>
+void insert(Estimator& estimator, const Corners& corners, double sigma,
+            const std::optional<VarID<mtk::Scalar<>>>& readout, const Variables&... variables) {
+  if (readout)
+    estimator.insertMeasurement(WithReadout(corners), *readout, variables..., StandardDeviation(sigma));
+  else
+    estimator.insertMeasurement(corners, variables..., StandardDeviation(sigma));
+}
+
+}  // namespace
+
 void RigProblem::insertCorners() {
-  const StandardDeviation noise(settings_.sigma_px);
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     for (const View& view : data_.cameras[c].views) {
       const auto pose = left2world_.at(view.image);
-      if (c == 0) {
-        est_.insertMeasurement(ViewOfLeft(view), cameras_[c], pose, noise);
-      } else {
-        est_.insertMeasurement(ViewOfOther(view), cameras_[c], left2camera_[c], pose, noise);
-      }
+      if (c == 0)
+        insert(est_, ViewOfLeft(view), settings_.sigma_px, readout_[c], cameras_[c], pose);
+      else
+        insert(est_, ViewOfOther(view), settings_.sigma_px, readout_[c], cameras_[c], left2camera_[c], pose);
     }
   }
 }
@@ -106,14 +129,13 @@ void RigProblem::insertCornersOfShape() {
       const auto pose = left2world_.at(view.image);
       for (const Corner& corner : view.corners) {
         const auto shape = board_->of(corner);
-        const StandardDeviation noise(settings_.sigma_px * corner.sigma);
-        if (c == 0) {
-          est_.insertMeasurement(CornerOfShapeInLeft(corner, board_->basis()), cameras_[c], pose, shape,
-                                 noise);
-        } else {
-          est_.insertMeasurement(CornerOfShapeInOther(corner, board_->basis()), cameras_[c], left2camera_[c],
-                                 pose, shape, noise);
-        }
+        const double sigma = settings_.sigma_px * corner.sigma;
+        if (c == 0)
+          insert(est_, CornerOfShapeInLeft(corner, board_->basis()), sigma, readout_[c], cameras_[c], pose,
+                 shape);
+        else
+          insert(est_, CornerOfShapeInOther(corner, board_->basis()), sigma, readout_[c], cameras_[c],
+                 left2camera_[c], pose, shape);
       }
     }
   }
@@ -132,7 +154,9 @@ void RigProblem::insertImu(const ImuStart& start) {
 vec2 RigProblem::residual(std::size_t camera, int image, const Corner& corner) const {
   const SE3 left2camera = camera == 0 ? SE3() : *left2camera_[camera];
   const vec3 world = board_ ? board_->worldOf(corner) : corner.world;
-  return CornerInOther()(*cameras_[camera], left2camera, *left2world_.at(image), world) - corner.pixel;
+  vec2 predicted = CornerInOther()(*cameras_[camera], left2camera, *left2world_.at(image), world);
+  if (readout_[camera]) predicted += double(**readout_[camera]) * corner.by_readout;
+  return predicted - corner.pixel;
 }
 
 vec3 RigProblem::gravityResidual(const ImuReading& reading) const {
@@ -158,6 +182,7 @@ CameraResult RigProblem::cameraResult(std::size_t index) const {
   result.camera_matrix = model.camera_matrix(lens.numbers());
   result.distortion = model.distortion(lens.numbers());
   if (index > 0) result.left2camera = *left2camera_[index];
+  if (readout_[index]) result.readout = Readout{**readout_[index]};
   result.images = data.views.size();
   result.corners = data.cornerCount();
   double square = 0;
@@ -246,6 +271,7 @@ void RigProblem::addStandardDeviations(Result& result) {
     const Eigen::VectorXd std = est_.standardDeviation(cameras_[c]);
     for (std::size_t i = 0; i < camera.parameters.size(); ++i)
       camera.parameters[i].std = std[Eigen::Index(i)];
+    if (camera.readout) camera.readout->std = est_.standardDeviation(*readout_[c])[0];
     const Eigen::MatrixXd pose = c == 0 ? Eigen::MatrixXd::Zero(6, 6) : est_.covariance(left2camera_[c]);
     camera.translation_std = pose.diagonal().head<3>().cwiseSqrt();
     camera.rotation_std = pose.diagonal().tail<3>().cwiseSqrt();

@@ -35,6 +35,7 @@ class RigProblem {
   double rmsOfAll() const;
 
  private:
+  void insertReadout(const CameraData& camera);
   void insertCorners();
   void insertCornersOfShape();
   void insertImu(const ImuStart& start);
@@ -50,6 +51,8 @@ class RigProblem {
   const Settings& settings_;
   Estimator est_;
   std::vector<VarID<Lens>> cameras_;
+  std::vector<std::optional<VarID<mtk::Scalar<>>>>
+      readout_;  ///< of cameras whose corners are known to move, if it is estimated
   std::vector<VarID<SE3>>
       left2camera_;  ///< the first is the identity: it is neither in a measurement nor a variable
   std::map<int, VarID<SE3>> left2world_;

@@ -18,7 +18,6 @@
 #include "calibration/models/definition.hpp"
 #include "calibration/procedure/corner_noise.hpp"
 #include "calibration/procedure/mirrored_views.hpp"
-#include "calibration/procedure/readout.hpp"
 #include "calibration/procedure/stray_views.hpp"
 #include "calibration/quality/uncertainty/clustered.hpp"
 
@@ -57,7 +56,6 @@ Result fittedAgain(const Dataset& data, const Settings& settings, const Result& 
   for (std::size_t c = 0; c < next.cameras.size(); ++c) {
     next.cameras[c].rms_px_single = first.cameras[c].rms_px_single;
     next.cameras[c].noise = first.cameras[c].noise;
-    next.cameras[c].readout = first.cameras[c].readout;
   }
   next.downweighted = first.downweighted;
   return next;
@@ -96,59 +94,53 @@ double changeBetween(const Result& a, const Result& b) {
   return most;
 }
 
-/// Returns whether noise or readout is estimated alternately with the fit.
+/// Returns whether noise, or motion while rows are read, is estimated alternately with the fit.
 bool isRefined(const Settings& settings) { return estimatesNoise(settings) || settings.rolling_shutter; }
 
-/// Adds the steps to CameraResult::readout. Returns the largest step, in its standard deviation.
-double takeSteps(const std::vector<std::optional<ReadoutStep>>& steps, Result& result) {
+/// Returns the largest change of a readout, in its standard deviation.
+double changeOfReadout(const Result& before, const Result& after) {
   double most = 0;
-  for (std::size_t c = 0; c < steps.size(); ++c) {
-    if (!steps[c]) continue;
-    std::optional<Readout>& readout = result.cameras[c].readout;
-    readout =
-        Readout{(readout ? readout->value : 0) + steps[c]->value, steps[c]->std, steps[c]->std_clustered};
-    most = std::max(most, std::abs(steps[c]->value) / steps[c]->std);
+  for (std::size_t c = 0; c < after.cameras.size(); ++c) {
+    const auto &from = before.cameras[c].readout, &to = after.cameras[c].readout;
+    if (to) most = std::max(most, std::abs(to->value - (from ? from->value : 0)) / to->std);
   }
   return most;
 }
 
-/// Returns `data` with Corner::sigma from the same corners of `others`.
-Dataset withSigmasOf(const Dataset& others, Dataset data) {
+/// Returns `data` with Corner::sigma and Corner::by_readout from the same corners of `others`.
+Dataset weightedAs(const Dataset& others, Dataset data) {
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     for (std::size_t v = 0; v < data.cameras[c].views.size(); ++v) {
       auto& corners = data.cameras[c].views[v].corners;
-      for (std::size_t k = 0; k < corners.size(); ++k)
-        corners[k].sigma = others.cameras[c].views[v].corners[k].sigma;
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        const Corner& other = others.cameras[c].views[v].corners[k];
+        corners[k].sigma = other.sigma;
+        corners[k].by_readout = other.by_readout;
+      }
     }
   }
   return data;
 }
 
-/// Alternates between fitting and estimating noise and readout from the residuals, until the parameters stay the
-/// same. If a fit fails, keeps the result of the round before, with the noise and readout of its fit. Does not fit
-/// again after a result that did not succeed.
+/// Alternates between fitting and estimating noise from the residuals and motion from the poses, until the parameters
+/// stay the same. If a fit fails, keeps the result of the round before, with the noise of its fit. Does not fit again
+/// after a result that did not succeed.
 Result refined(const Dataset& data, const Settings& settings, Result result) {
   constexpr int most_rounds = 50;
   constexpr double least_change = 1e-3;  // standard deviations
-  std::vector<std::optional<ReadoutStep>> steps;
   for (int round = 0; round < most_rounds && result.success(); ++round) {
     if (!reasonToEnd(settings.limits).empty()) break;
     Result proposed = result;
     if (estimatesNoise(settings)) estimateNoise(withoutReadout(data, proposed), settings, proposed);
-    // Weights come from residuals of this fit, not of a later readout.
-    const Dataset seen = asFitted(proposed, data);
-    std::vector<std::optional<ReadoutStep>> proposed_steps;
-    if (settings.rolling_shutter) proposed_steps = readoutSteps(seen, proposed);
-    const double step = takeSteps(proposed_steps, proposed);
-    Result next = fittedAgain(withSigmasOf(seen, withoutReadout(data, proposed)), settings, proposed);
+    Dataset seen = asFitted(proposed, data);
+    if (settings.rolling_shutter) seen = withMotion(proposed, seen);
+    Result next = fittedAgain(weightedAs(seen, data), settings, proposed);
     if (!next.success()) break;
-    const double change = changeBetween(result, next);
+    const double change = std::max(changeBetween(result, next), changeOfReadout(result, next));
     result = std::move(next);
-    steps = std::move(proposed_steps);
-    if (change < least_change && step < least_change) break;
+    if (change < least_change) break;
   }
   addClustered(asFitted(result, data), result);
-  addUncertaintyOf(steps, result);
   return result;
 }
 

@@ -1,20 +1,15 @@
-#include "calibration/procedure/readout.hpp"
+#include "slom/calibration/readout.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
 
 #include "calibration/data/fitted_board.hpp"
-#include "calibration/data/image_box.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/fit/as_fitted.hpp"
-#include "calibration/median.hpp"
 #include "calibration/quality/patterns/flip_test.hpp"
-#include "calibration/quality/patterns/residuals.hpp"
 #include "calibration/quality/uncertainty/information.hpp"
-#include "calibration/quality/uncertainty/uncertainties.hpp"
 #include "calibration/quality/uncertainty/whitened_scores.hpp"
 
 namespace slom::calibration {
@@ -22,50 +17,48 @@ namespace {
 
 constexpr std::size_t most_blocks_of_readout = 12;
 
-/// Returns one camera's step, given the covariance of the shared parameters.
-std::optional<ReadoutStep> stepOf(const Dataset& on_board, const Result& result, const FittedRig& rig,
-                                  const std::map<int, Observation>& observations,
-                                  const Eigen::MatrixXd& covariance, std::size_t c) {
-  const CameraData& camera = on_board.cameras[c];
-  const double height = imageBoxOf(camera, result.cameras[c]).height;
-  const auto motions = motionsByPoses(camera, result.cameras[c], result);
-  const std::size_t views = camera.views.size(), blocks = std::min(most_blocks_of_readout, views);
+/// Returns the readout that the residuals of one camera suggest to first order, with poses and all shared parameters
+/// free; nothing if its corners are not known to move. `covariance`: of the shared parameters.
+std::optional<ReadoutTrial> trialOf(const Dataset& on_board, const FittedRig& rig,
+                                    const std::map<int, Observation>& observations,
+                                    const Eigen::MatrixXd& covariance, std::size_t c) {
+  const std::vector<View>& views = on_board.cameras[c].views;
+  const std::size_t blocks = std::min(most_blocks_of_readout, views.size());
   const int shared = rig.columns.size;
   PatternScores scores(1, 1, int(blocks), shared);
   Eigen::MatrixXd of_shared = Eigen::MatrixXd::Zero(shared, Eigen::Index(blocks));
-  Eigen::VectorXd cross = Eigen::VectorXd::Zero(shared);
   Eigen::Matrix<double, Eigen::Dynamic, 2> by_shared(shared, 2);
-  bool is_known = false;
-  for (std::size_t i = 0; i < views; ++i) {
-    const View& view = camera.views[i];
-    const int block = int(i * blocks / views);
-    const SeenBoard board(rig, c, rig.left2world.at(view.image));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const View& view = views[i];
+    const int block = int(i * blocks / views.size());
+    const SeenBoard board = rig.seenBoard(c, rig.left2world.at(view.image));
     const ImageEquations equations = equationsOf(rig, observations.at(view.image));
-    for (std::size_t k = 0; k < view.corners.size(); ++k) {
-      const Corner& corner = view.corners[k];
+    for (const Corner& corner : view.corners) {
       const double sigma = rig.sigma_px * corner.sigma, weight = 1 / (sigma * sigma);
       const SeenBoard::Rows rows = board.rowsOf(corner.world);
-      board.setByShared(rows, equations.pose_by_shared, by_shared);
+      setByShared(rig.columns, c, rows, corner, equations.pose_by_shared, by_shared);
       const Eigen::Vector2d e = corner.pixel - rows.pixel();
       of_shared.col(block) += by_shared * (weight * e);
-      const Eigen::Vector2d& motion = motions[i][k];
-      if (!motion.allFinite()) continue;
-      is_known = true;
-      const PatternRows<1> F = corner.pixel.y() / height * motion;
-      scores.add<1>(0, block, weight, e, F, rows.by_pose, by_shared);
-      cross += weight * (by_shared * F);
+      scores.add<1>(0, block, weight, e, PatternRows<1>(corner.by_readout), rows.by_left2world, by_shared);
     }
     scores.endView(equations.pose_inverse);
   }
-  if (!is_known) return std::nullopt;
   scores.finish(covariance, of_shared);
   const double variance = scores.covariance(0)(0, 0);
   if (!(variance > 0)) return std::nullopt;
   const Eigen::RowVectorXd by_block = scores.estimates(0).row(0);
   const double count = double(blocks), mean = by_block.mean();
-  return ReadoutStep{by_block.sum(), std::sqrt(variance),
-                     std::sqrt(count / std::max(1.0, count - 1) * (by_block.array() - mean).square().sum()),
-                     FlipTest(scores.products()).probability(), -covariance * cross};
+  const double clustered =
+      std::sqrt(count / std::max(1.0, count - 1) * (by_block.array() - mean).square().sum());
+  return ReadoutTrial{{by_block.sum(), std::sqrt(variance), clustered},
+                      FlipTest(scores.products()).probability()};
+}
+
+bool moves(const CameraData& camera) {
+  return std::any_of(camera.views.begin(), camera.views.end(), [](const View& view) {
+    return std::any_of(view.corners.begin(), view.corners.end(),
+                       [](const Corner& corner) { return corner.by_readout.squaredNorm() > 0; });
+  });
 }
 
 }  // namespace
@@ -80,29 +73,17 @@ std::vector<std::optional<ReadoutTrial>> compareReadout(const Dataset& all, cons
   if (!result.success()) return trials;
   const Dataset data = withoutRejected(all, result);
   const SortedDataset sorted(data);
-  for (const std::optional<ReadoutStep>& step : readoutSteps(asFitted(result, *sorted), result)) {
-    trials.emplace_back();
-    if (step) trials.back() = {{step->value, step->std, step->std_clustered}, step->probability};
-  }
-  return trials;
-}
-
-std::vector<std::optional<ReadoutStep>> readoutSteps(const Dataset& data, const Result& result) {
-  const DataOnBoard on_board(data, result.board);
+  const Dataset moving = withMotion(result, asFitted(result, *sorted));
+  const DataOnBoard on_board(moving, result.board);
   const FittedRig rig(result);
   const std::map<int, Observation> observations = observationsOf(*on_board, rig);
   const Eigen::MatrixXd covariance = WhitenedScores(*on_board, rig).statedCovariance();
-  std::vector<std::optional<ReadoutStep>> steps;
-  for (std::size_t c = 0; c < data.cameras.size(); ++c)
-    steps.push_back(stepOf(*on_board, result, rig, observations, covariance, c));
-  return steps;
-}
-
-void addUncertaintyOf(const std::vector<std::optional<ReadoutStep>>& steps, Result& result) {
-  const FittedRig rig(result);
-  for (const std::optional<ReadoutStep>& step : steps) {
-    if (step) addIndependentError(step->followed, step->std, step->std_clustered, rig.columns, result);
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    trials.emplace_back();
+    if (!result.cameras[c].readout && moves((*on_board).cameras[c]))
+      trials.back() = trialOf(*on_board, rig, observations, covariance, c);
   }
+  return trials;
 }
 
 }  // namespace slom::calibration

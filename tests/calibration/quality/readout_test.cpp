@@ -7,9 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include "calibration/data/fitted_board.hpp"
+#include "calibration/data/sorted.hpp"
+#include "calibration/fit/as_fitted.hpp"
 #include "calibration/quality/calibrated_rig.hpp"
-#include "calibration/quality/uncertainty/clustered.hpp"
-#include "calibration/quality/uncertainty/uncertainties.hpp"
+#include "calibration/quality/uncertainty/whitened_scores.hpp"
 #include "calibration/rotation_vector.hpp"
 
 namespace slom::calibration {
@@ -163,32 +165,34 @@ TEST(RollingShutter, IsNotFoundWhereAllRowsAreReadAtOnce) {
   EXPECT_LT(squares, 2.6);
 }
 
-/// An error that all shared parameters follow widens each number that is stated, and the covariance that the projection
-/// uncertainty is found from.
-TEST(RollingShutter, AnIndependentErrorWidensAllUncertainties) {
-  testing::RigOptions options = testing::smallBoards();
-  options.images = 12;
-  Result result = testing::calibratedRig(options, testing::opencv4(), 5, true).result;
-  ASSERT_TRUE(result.success() && result.clustered && result.imu);
-  const SharedColumns columns = FittedRig(result).columns;
-  Result wider = result;
-  const Eigen::VectorXd followed = Eigen::VectorXd::LinSpaced(columns.size, 0.5, 2);
-  constexpr double std = 3, std_clustered = 5;
-  addIndependentError(followed, std, std_clustered, columns, wider);
-  auto before = uncertaintiesOf(result, columns), after = uncertaintiesOf(wider, columns);
-  ASSERT_EQ(before.size(), std::size_t(8 + 8 + 9 + 3 + 3 + 3 + 1));
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    const double part = std::abs(before[i].by_shared.dot(followed));
-    EXPECT_NEAR(*after[i].stated, std::hypot(*before[i].stated, std * part), 1e-9 * *after[i].stated) << i;
-    EXPECT_NEAR(*after[i].clustered, std::hypot(*before[i].clustered, std_clustered * part),
-                1e-9 * *after[i].clustered)
-        << i;
-    EXPECT_GT(*after[i].stated, *before[i].stated) << i;
+/// The standard deviations that the estimator states, beside those of the normal equations of the images, from which the
+/// clustered ones and the projection uncertainty are found: two ways that share nothing but the derivatives of a pixel.
+TEST(RollingShutter, IsAnUnknownOfAllUncertainties) {
+  for (const BoardShape shape : {BoardShape::flat, BoardShape::free}) {
+    const Recording recording = recorded(30, {0.3, -0.15}, 8);
+    Settings settings = rolling();
+    settings.board_shape = shape;
+    const Result result = calibrate(recording.data, settings);
+    ASSERT_TRUE(result.success()) << result.message;
+    const SortedDataset sorted(recording.data);
+    const Dataset seen = asFitted(result, *sorted);
+    const DataOnBoard on_board(seen, result.board);
+    const FittedRig rig(result);
+    const Eigen::VectorXd stated = WhitenedScores(*on_board, rig).statedCovariance().diagonal().cwiseSqrt();
+    for (std::size_t c = 0; c < 2; ++c) {
+      const CameraResult& camera = result.cameras[c];
+      for (std::size_t i = 0; i < camera.parameters.size(); ++i) {
+        const double expected = stated[rig.columns.lens[c] + Eigen::Index(i)];
+        EXPECT_NEAR(camera.parameters[i].std, expected, 2e-3 * expected) << camera.parameters[i].name;
+      }
+      EXPECT_NEAR(camera.readout->std, stated[rig.columns.readout[c]], 2e-3 * camera.readout->std);
+      EXPECT_GT(camera.readout->std_clustered, 0.3 * camera.readout->std);
+      EXPECT_LT(camera.readout->std_clustered, 3 * camera.readout->std);
+    }
+    Eigen::Vector3d translation_std = result.cameras[1].translation_std;
+    EXPECT_LT((stated.segment<3>(rig.columns.pose[1]) - translation_std).norm(),
+              2e-3 * translation_std.norm());
   }
-  const Eigen::MatrixXd sum =
-      covarianceOf(*result.clustered) + std_clustered * std_clustered * followed * followed.transpose();
-  EXPECT_LT((covarianceOf(*wider.clustered) - sum).norm(), 1e-9 * sum.norm());
-  EXPECT_EQ(wider.imu->precision.gravity, wider.imu->gravity_std);
 }
 
 /// The rotation vector's standard deviations by re-evaluating log(R [+] d), central differences.

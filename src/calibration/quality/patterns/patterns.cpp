@@ -176,7 +176,7 @@ void CameraPatterns::addView(std::size_t i, Scores& scores) {
   const View& view = camera().views[i];
   const int block = block_of_[i];
   const SE3& left2world = rig_.left2world.at(view.image);
-  const SeenBoard board(rig_, c_, left2world);
+  const SeenBoard board = rig_.seenBoard(c_, left2world);
   const double time = 2.0 * double(i) / double(facts_.size() - 1) - 1;
   const ImageEquations equations = equationsOf(rig_, observations_.at(view.image));
   Eigen::Matrix<double, Eigen::Dynamic, 2> by_shared(rig_.columns.size, 2);
@@ -185,13 +185,13 @@ void CameraPatterns::addView(std::size_t i, Scores& scores) {
     const Corner& corner = view.corners[k];
     const double sigma = rig_.sigma_px * corner.sigma, weight = 1 / (sigma * sigma);
     const SeenBoard::Rows rows = board.rowsOf(corner.world);
-    board.setByShared(rows, equations.pose_by_shared, by_shared);
+    setByShared(rig_.columns, c_, rows, corner, equations.pose_by_shared, by_shared);
     const Vector2d e = corner.pixel - rows.pixel();
     residuals.push_back(e / corner.sigma);
     facts_[i].squares += residuals.back().squaredNorm();
     scores_.col(block).noalias() += by_shared * (weight * e);
     const auto add = [&]<int D>(PatternScores& to, int cell, const PatternRows<D>& F) {
-      to.add<D>(cell, block, weight, e, F, rows.by_pose, by_shared);
+      to.add<D>(cell, block, weight, e, F, rows.by_left2world, by_shared);
     };
     add(scores.board, facts_[i].points[k], PatternRows<3>(rows.by_point * board2world_));
     const auto cellOf = [](double x, double size, int count) {
@@ -324,7 +324,9 @@ std::vector<ResidualPattern> CameraPatterns::all(const MatrixXd& covariance, con
   found.push_back(fromScores(Kind::image_place, scores.place));
   found.back().value = std::sqrt(std::max(0.0, found.back().share) * squares_ / (2 * corners_));
   if (!free_.empty()) found.push_back(driftOf(scores.drift));
-  if (scores.readout.covariance(0)(0, 0) > 0) found.push_back(fromScores(Kind::row_readout, scores.readout));
+  const bool is_fitted = rig_.columns.readout[c_] >= 0;
+  if (!is_fitted && scores.readout.covariance(0)(0, 0) > 0)
+    found.push_back(fromScores(Kind::row_readout, scores.readout));
   if (c_ > 0 && scores.offset.covariance(0)(0, 0) > 0)
     found.push_back(fromScores(Kind::time_offset, scores.offset));
   if (across_ > 0)

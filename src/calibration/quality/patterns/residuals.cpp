@@ -43,10 +43,11 @@ double boardDistance(const std::map<int, Observation>& observations, const Fitte
   std::vector<double> distances;
   for (const auto& [image, observation] : observations) {
     const SE3 to_left = observation.left2world.inverse();
-    for (std::size_t c = 0; c < observation.points.size(); ++c) {
-      if (observation.points[c].empty()) continue;
+    for (std::size_t c = 0; c < observation.corners.size(); ++c) {
+      const std::vector<Corner>& corners = observation.corners[c];
+      if (corners.empty()) continue;
       vec3 centre;
-      for (const vec3& p : observation.points[c]) centre += p / double(observation.points[c].size());
+      for (const Corner& corner : corners) centre += corner.world / double(corners.size());
       distances.push_back((rig.left2camera[c] * (to_left * centre)).norm());
     }
   }

@@ -117,6 +117,7 @@ void writeStandardDeviations(const SharedColumns& shared, const MatrixXd& covari
       camera.parameters[i].std_clustered = columns.std[column];
       camera.parameters[i].dof = columns.dof[column];
     }
+    if (camera.readout) camera.readout->std_clustered = columns.std[shared.readout[c]];
     const vec3 none(0., 0., 0.);
     camera.translation_clustered.std = camera.rotation_clustered.std = camera.rotation_vector_clustered.std =
         none;

@@ -28,6 +28,9 @@ SharedColumns columnsOf(const Result& result) {
     for (const int i : Model(camera.model).definition().held_near_zero)
       columns.held_near_zero.push_back(columns.size + i);
     for (const Parameter& p : camera.parameters) addColumns(columns, camera.name + "." + p.name, p.std > 0);
+    columns.readout.push_back(camera.readout ? columns.size : -1);
+    if (camera.readout) addColumns(columns, camera.name + ".readout", true);
+    columns.of_camera.push_back(columns.size - columns.lens.back());
     columns.pose.push_back(c == 0 ? -1 : columns.size);
     if (c == 0) continue;
     const std::string pose = reference + "2" + camera.name;
@@ -43,22 +46,18 @@ SharedColumns columnsOf(const Result& result) {
   return columns;
 }
 
-/// Returns J^T J of the pixels of points in the world, with J by the lens parameters and by left2camera (translation,
-/// rotation) [px]. If sigmas are given, divides the rows of a point by its sigma.
-Eigen::MatrixXd squareOf(const Lens& lens, const SE3& left2camera, const SE3& left2world,
-                         const std::vector<vec3>& points, const std::vector<double>& sigmas) {
-  const int n = lens.parameters();
-  const Eigen::Matrix3d R = left2camera.orient.toRotationMatrix();
-  const Eigen::Matrix3d world2left = left2world.orient.toRotationMatrix().transpose();
-  Eigen::MatrixXd transposed(n + 6, 2 * Eigen::Index(points.size()));
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const double weight = sigmas.empty() ? 1 : 1 / sigmas[k];
-    const Eigen::Vector3d in_left = world2left * (points[k] - left2world.pos);
-    const Lens::Projection d = lens.differentiate(R * in_left + left2camera.pos);
+/// Returns J^T J of the corners that camera c sees, with J by byCamera() and by left2camera.
+Eigen::MatrixXd squareOf(const FittedRig& rig, std::size_t c, const Observation& observation) {
+  const std::vector<Corner>& corners = observation.corners[c];
+  const SeenBoard board = rig.seenBoard(c, observation.left2world);
+  const int n = rig.columns.of_camera[c];
+  Eigen::MatrixXd transposed(n + 6, 2 * Eigen::Index(corners.size()));
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const double weight = 1 / (rig.sigma_px * corners[k].sigma);
+    const SeenBoard::Rows rows = board.rowsOf(corners[k].world);
     auto columns = transposed.middleCols<2>(2 * Eigen::Index(k));
-    columns.topRows(n) = weight * d.by_parameters.transpose();
-    columns.middleRows<3>(n) = weight * d.by_point.transpose();
-    columns.bottomRows<3>().noalias() = crossMatrix(in_left) * (R.transpose() * columns.middleRows<3>(n));
+    columns.topRows(n) = weight * byCamera(rig.columns, c, rows, corners[k]).transpose();
+    columns.bottomRows<6>() = weight * rows.by_left2camera.transpose();
   }
   Eigen::MatrixXd square = Eigen::MatrixXd::Zero(n + 6, n + 6);
   square.selfadjointView<Eigen::Lower>().rankUpdate(transposed);
@@ -73,11 +72,8 @@ void addCorners(const FittedRig& rig, std::size_t c, const Observation& observat
   Matrix6 pose = Matrix6::Zero();
   pose.topLeftCorner<3, 3>() = -(rig.left2camera[c].orient.toRotationMatrix() * world2left);
   pose.bottomRightCorner<3, 3>() = -Eigen::Matrix3d::Identity();
-  const double weight = 1 / (rig.sigma_px * rig.sigma_px);
-  const Eigen::MatrixXd square =
-      weight * squareOf(rig.lenses[c], rig.left2camera[c], observation.left2world, observation.points[c],
-                        observation.sigmas.empty() ? std::vector<double>() : observation.sigmas[c]);
-  const int n = rig.lenses[c].parameters(), lens = rig.columns.lens[c], left2camera = rig.columns.pose[c];
+  const Eigen::MatrixXd square = squareOf(rig, c, observation);
+  const int n = rig.columns.of_camera[c], lens = rig.columns.lens[c], left2camera = rig.columns.pose[c];
   const Matrix6 by_pose = pose.transpose() * square.bottomRightCorner<6, 6>();
   H.block(lens, lens, n, n) += square.topLeftCorner(n, n);
   H.bottomRows<6>().middleCols(lens, n) += pose.transpose().lazyProduct(square.bottomRows<6>().leftCols(n));
@@ -100,27 +96,26 @@ void addReading(const FittedRig& rig, const Observation& observation, Eigen::Mat
 /// Adds, to the lower triangle of H, the derivatives by the unknowns of the board for the corners that camera c sees.
 /// In H, these unknowns follow the shared parameters.
 void addBoard(const FittedRig& rig, std::size_t c, const Observation& observation, Eigen::MatrixXd& H) {
-  const SeenBoard board(rig, c, observation.left2world);
-  const int n = rig.lenses[c].parameters(), left2camera = rig.columns.pose[c];
-  for (std::size_t k = 0; k < observation.points[c].size(); ++k) {
-    const vec3& point = observation.points[c][k];
-    const double sigma = rig.sigma_px * (observation.sigmas.empty() ? 1 : observation.sigmas[c][k]);
-    const SeenBoard::Rows rows = board.rowsOf(point);
-    const auto [first, map] = rig.board->of(point);
+  const SeenBoard board = rig.seenBoard(c, observation.left2world);
+  const int n = rig.columns.of_camera[c], left2camera = rig.columns.pose[c];
+  for (const Corner& corner : observation.corners[c]) {
+    const double sigma = rig.sigma_px * corner.sigma;
+    const SeenBoard::Rows rows = board.rowsOf(corner.world);
+    const auto [first, map] = rig.board->of(corner.world);
     const Eigen::Matrix<double, 2, 3> by_board = rows.by_point * *map, weighted = by_board / (sigma * sigma);
     const Eigen::Index row = rig.columns.size + first;
     H.block(row, rig.columns.lens[c], 3, n).noalias() +=
-        weighted.transpose().lazyProduct(rows.seen.by_parameters);
+        weighted.transpose().lazyProduct(byCamera(rig.columns, c, rows, corner));
     if (c > 0) H.block<3, 6>(row, left2camera).noalias() += weighted.transpose() * rows.by_left2camera;
     H.block<3, 3>(row, row).noalias() += weighted.transpose() * by_board;
-    H.bottomRows<6>().middleCols<3>(row).noalias() += rows.by_pose.transpose() * weighted;
+    H.bottomRows<6>().middleCols<3>(row).noalias() += rows.by_left2world.transpose() * weighted;
   }
 }
 
 /// Adds up H of one image. Returns the part of its pose block that comes from corners.
 Matrix6 addEquations(const FittedRig& rig, const Observation& observation, Eigen::MatrixXd& H) {
-  for (std::size_t c = 0; c < observation.points.size(); ++c) {
-    if (!observation.points[c].empty()) addCorners(rig, c, observation, H);
+  for (std::size_t c = 0; c < observation.corners.size(); ++c) {
+    if (!observation.corners[c].empty()) addCorners(rig, c, observation, H);
   }
   const Matrix6 from_corners = H.bottomRightCorner<6, 6>();
   if (observation.acc) addReading(rig, observation, H);
@@ -129,31 +124,21 @@ Matrix6 addEquations(const FittedRig& rig, const Observation& observation, Eigen
 
 }  // namespace
 
-SeenBoard::SeenBoard(const FittedRig& rig, std::size_t camera, const SE3& left2world)
-    : rig_(rig),
-      camera_(camera),
-      left2camera_(rig.left2camera[camera].orient.toRotationMatrix()),
-      world2left_(left2world.orient.toRotationMatrix().transpose()),
-      offset_(rig.left2camera[camera].pos),
-      origin_(left2world.pos) {}
-
-SeenBoard::Rows SeenBoard::rowsOf(const vec3& point) const {
-  const Eigen::Vector3d in_left = world2left_ * (point - origin_);
-  Rows rows{rig_.lenses[camera_].differentiate(vec3(left2camera_ * in_left + offset_)), {}, {}, {}};
-  const Eigen::Matrix<double, 2, 3> by_left = rows.seen.by_point * left2camera_,
-                                    by_turn = by_left * crossMatrix(in_left);
-  rows.by_left2camera << rows.seen.by_point, -by_turn;
-  rows.by_point = by_left * world2left_;
-  rows.by_pose << -rows.by_point, by_turn;
-  return rows;
+ByCamera byCamera(const SharedColumns& columns, std::size_t camera, const SeenBoard::Rows& rows,
+                  const Corner& corner) {
+  ByCamera by_camera(2, columns.of_camera[camera]);
+  by_camera.leftCols(rows.seen.by_parameters.cols()) = rows.seen.by_parameters;
+  if (columns.readout[camera] >= 0) by_camera.rightCols<1>() = corner.by_readout;
+  return by_camera;
 }
 
-void SeenBoard::setByShared(const Rows& rows, const Eigen::Matrix<double, 6, Eigen::Dynamic>& pose_by_shared,
-                            Eigen::Matrix<double, Eigen::Dynamic, 2>& by_shared) const {
-  by_shared.noalias() = -pose_by_shared.transpose() * rows.by_pose.transpose();
-  by_shared.middleRows(rig_.columns.lens[camera_], rows.seen.by_parameters.cols()) +=
-      rows.seen.by_parameters.transpose();
-  if (camera_ > 0) by_shared.middleRows<6>(rig_.columns.pose[camera_]) += rows.by_left2camera.transpose();
+void setByShared(const SharedColumns& columns, std::size_t camera, const SeenBoard::Rows& rows,
+                 const Corner& corner, const Eigen::Matrix<double, 6, Eigen::Dynamic>& pose_by_shared,
+                 Eigen::Matrix<double, Eigen::Dynamic, 2>& by_shared) {
+  by_shared.noalias() = -pose_by_shared.transpose() * rows.by_left2world.transpose();
+  by_shared.middleRows(columns.lens[camera], columns.of_camera[camera]) +=
+      byCamera(columns, camera, rows, corner).transpose();
+  if (camera > 0) by_shared.middleRows<6>(columns.pose[camera]) += rows.by_left2camera.transpose();
 }
 
 BoardColumns::BoardColumns(const FittedBoard& board)
@@ -206,7 +191,7 @@ ImageEquations equationsFor(const FittedRig& rig, const Observation& observation
   const int n = rig.columns.size + of_board;
   ImageEquations all{Eigen::MatrixXd::Zero(n + 6, n + 6), {}, {}};
   addEquations(rig, observation, all.H);
-  for (std::size_t c = 0; of_board > 0 && c < observation.points.size(); ++c)
+  for (std::size_t c = 0; of_board > 0 && c < observation.corners.size(); ++c)
     addBoard(rig, c, observation, all.H);
   const Eigen::LDLT<Matrix6> pose(all.H.bottomRightCorner<6, 6>());
   all.pose_by_shared = pose.solve(all.H.bottomRows<6>().leftCols(n));
@@ -335,17 +320,12 @@ Eigen::MatrixXd Posterior::covarianceOfShared() const {
 std::map<int, Observation> observationsOf(const Dataset& data, const FittedRig& rig) {
   std::map<int, Observation> observations;
   for (const auto& [image, pose] : rig.left2world) {
-    Observation observation{pose, std::vector<std::vector<vec3>>(data.cameras.size()), {}};
-    observation.sigmas.resize(data.cameras.size());
-    for (std::size_t c = 0; c < data.cameras.size(); ++c) {
-      const View* view = data.cameras[c].find(image);
-      if (!view) continue;
-      for (const Corner& corner : view->corners) {
-        observation.points[c].push_back(corner.world);
-        observation.sigmas[c].push_back(corner.sigma);
-      }
+    Observation& observation = observations[image];
+    observation.left2world = pose;
+    for (const CameraData& camera : data.cameras) {
+      const View* const view = camera.find(image);
+      observation.corners.push_back(view ? view->corners : std::vector<Corner>());
     }
-    observations.emplace(image, std::move(observation));
   }
   if (!data.imu || !rig.imu) return observations;
   for (const ImuReading& reading : data.imu->readings) observations.at(reading.image).acc = reading.acc;

@@ -25,6 +25,7 @@
 
 #include "calibration/data/board_basis.hpp"
 #include "calibration/data/point_key.hpp"
+#include "calibration/fit/seen_board.hpp"
 #include "calibration/models/lens.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/result.hpp"
@@ -33,10 +34,11 @@ namespace slom::calibration {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Columns of the shared parameters: for each camera its lens and, except for the first, its pose left2camera
-/// (translation, rotation); then the IMU's rotation, acc_bias and gravity.
+/// Columns of the shared parameters: for each camera its lens, its readout if that was estimated and, except for the
+/// first, its pose left2camera (translation, rotation); then the IMU's rotation, acc_bias and gravity.
 struct SharedColumns {
-  std::vector<int> lens, pose;  ///< first column, by camera; -1: none
+  std::vector<int> lens, readout, pose;  ///< first column, by camera; -1: none
+  std::vector<int> of_camera;            ///< number of columns of lens and readout, by camera
   int imu = -1;
   int size = 0;
   std::vector<int> free;            ///< estimated parameters, ascending
@@ -63,6 +65,10 @@ class BoardColumns {
 /// The calibrated rig.
 struct FittedRig {
   explicit FittedRig(const Result& result);
+  /// Returns the board before a camera, seen from a pose of the rig. The rig must outlive the returned object.
+  SeenBoard seenBoard(std::size_t camera, const SE3& left2world) const {
+    return {lenses[camera], left2camera[camera], left2world};
+  }
 
   std::vector<Lens> lenses;
   std::vector<SE3> left2camera;
@@ -74,40 +80,24 @@ struct FittedRig {
   SharedColumns columns;
 };
 
-/// The observations of one image: by camera the board points that it sees, in the world, and a reading.
+/// The observations of one image: by camera the corners that it sees, of which the pixel is not used, and a reading.
 struct Observation {
   SE3 left2world;
-  std::vector<std::vector<vec3>> points;
+  std::vector<std::vector<Corner>> corners;
   std::optional<vec3> acc;
-  std::vector<std::vector<double>> sigmas{};  ///< Corner::sigma, as points; empty: 1 each
 };
 
-/// The projection of board points into a camera, for one image.
-class SeenBoard {
- public:
-  /// Takes the rig. `rig` must outlive this object.
-  SeenBoard(const FittedRig& rig, std::size_t camera, const SE3& left2world);
+/// Derivatives of the pixel of a corner by what belongs to the camera, in the order of SharedColumns: its lens, and its
+/// readout if that was estimated [px].
+using ByCamera = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, Lens::most_parameters + 1>;
+ByCamera byCamera(const SharedColumns& columns, std::size_t camera, const SeenBoard::Rows& rows,
+                  const Corner& corner);
 
-  /// The pixel of a point and its derivatives [px].
-  struct Rows {
-    Lens::Projection seen;  ///< also by the lens parameters
-    Eigen::Matrix<double, 2, 6> by_left2camera, by_pose;
-    Eigen::Matrix<double, 2, 3> by_point;  ///< by the point in the world
-
-    vec2 pixel() const { return seen.pixel; }
-  };
-  Rows rowsOf(const vec3& point) const;
-  /// Sets the derivatives by all shared parameters, with the pose of the image following them by
-  /// ImageEquations::pose_by_shared.
-  void setByShared(const Rows& rows, const Eigen::Matrix<double, 6, Eigen::Dynamic>& pose_by_shared,
-                   Eigen::Matrix<double, Eigen::Dynamic, 2>& by_shared) const;
-
- private:
-  const FittedRig& rig_;
-  std::size_t camera_;
-  Eigen::Matrix3d left2camera_, world2left_;
-  Eigen::Vector3d offset_, origin_;
-};
+/// Sets the derivatives by all shared parameters, with the pose of the image following them by
+/// ImageEquations::pose_by_shared.
+void setByShared(const SharedColumns& columns, std::size_t camera, const SeenBoard::Rows& rows,
+                 const Corner& corner, const Eigen::Matrix<double, 6, Eigen::Dynamic>& pose_by_shared,
+                 Eigen::Matrix<double, Eigen::Dynamic, 2>& by_shared);
 
 /// The normal equations of one image: by all shared parameters, then by the unknowns of the board if requested, and
 /// by the pose of the image, which is eliminated.

@@ -132,17 +132,17 @@ MatrixXd WhitenedScores::onBoard(const Image& group) const {
 
 void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t c, const SE3& left2world,
                              const MatrixXd& by_pose, const Matrix6& pose_inverse) {
-  const SeenBoard board(rig, c, left2world);
-  const MatrixXd by_lens = K_.middleRows(rig.columns.lens[c], rig.lenses[c].parameters()).transpose();
+  const SeenBoard board = rig.seenBoard(c, left2world);
+  const MatrixXd by_camera = K_.middleRows(rig.columns.lens[c], rig.columns.of_camera[c]).transpose();
   const MatrixXd by_left2camera =
       c == 0 ? MatrixXd() : MatrixXd(K_.middleRows<6>(rig.columns.pose[c]).transpose());
   Eigen::Matrix<double, Eigen::Dynamic, 2> rows(K_.cols(), 2);
   for (const Corner& corner : view.corners) {
     const double weight = 1 / (rig.sigma_px * corner.sigma);
     const SeenBoard::Rows seen = board.rowsOf(corner.world);
-    rows.noalias() = by_lens * seen.seen.by_parameters.transpose();
+    rows.noalias() = by_camera * byCamera(rig.columns, c, seen, corner).transpose();
     if (c > 0) rows.noalias() += by_left2camera * seen.by_left2camera.transpose();
-    rows.noalias() -= by_pose * seen.by_pose.transpose();
+    rows.noalias() -= by_pose * seen.by_left2world.transpose();
     if (rig.board) {
       const auto [first, map] = rig.board->of(corner.world);
       const Eigen::Matrix<double, 2, 3> by_board = seen.by_point * *map;
@@ -153,7 +153,7 @@ void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t
     }
     const Eigen::Vector2d residual = corner.pixel - seen.pixel();
     const Eigen::Matrix2d leverage = weight * weight *
-                                     (seen.by_pose * pose_inverse * seen.by_pose.transpose() +
+                                     (seen.by_left2world * pose_inverse * seen.by_left2world.transpose() +
                                       rows.transpose() * rows);  // 2 x 2, of u and v
     const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - leverage;
     const bool is_checked = rest.determinant() > least_redundancy * rest.trace();

@@ -87,16 +87,17 @@ std::vector<FieldOfView> fieldsOfView(const FittedRig& rig, const std::vector<Im
 Observation observationOf(const FittedRig& rig, const std::vector<FieldOfView>& fields,
                           const std::vector<vec3>& board, const SE3& left2world) {
   constexpr std::size_t fewest = 4;  // needed for a pose
-  Observation observation{left2world, std::vector<std::vector<vec3>>(rig.lenses.size()), {}};
+  Observation observation{left2world, std::vector<std::vector<Corner>>(rig.lenses.size()), {}};
   for (std::size_t c = 0; c < rig.lenses.size(); ++c) {
     const SE3 world2camera = rig.left2camera[c] * left2world.inverse();
     const Eigen::Matrix3d R = world2camera.orient.toRotationMatrix();
-    observation.points[c].reserve(board.size());
+    std::vector<Corner>& corners = observation.corners[c];
+    corners.reserve(board.size());
     for (const vec3& corner : board) {
       if (fields[c].holds(rig.lenses[c], vec3(R * corner + world2camera.pos)))
-        observation.points[c].push_back(corner);
+        corners.push_back({0, corner, {}});
     }
-    if (observation.points[c].size() < fewest) observation.points[c].clear();
+    if (corners.size() < fewest) corners.clear();
   }
   return observation;
 }
@@ -114,7 +115,7 @@ void addCandidates(const FittedRig& rig, const std::vector<FieldOfView>& fields,
     for (const Attitude& attitude : attitudes()) {
       const SE3 left2world = placed(rig, c, board, vec3(distance_m * *ray), attitude);
       const Observation observation = observationOf(rig, fields, board.corners, left2world);
-      if (3 * observation.points[c].size() < 2 * board.corners.size()) continue;
+      if (3 * observation.corners[c].size() < 2 * board.corners.size()) continue;
       FurtherView view;
       view.camera = c;
       view.pixel = pixel;

@@ -1,0 +1,47 @@
+// The chain from a point of the board to its pixel, with its derivatives: by lens, pose of the camera and pose of the rig.
+#pragma once
+
+#include "calibration/cross_matrix.hpp"
+#include "calibration/models/lens.hpp"
+#include "slom/calibration/types.hpp"
+
+namespace slom::calibration {
+
+/// Projects points of the board into a camera, in one image. Rotations are perturbed on the right, and translation comes
+/// before rotation.
+class SeenBoard {
+ public:
+  /// Takes the lens, which must outlive this object.
+  SeenBoard(const Lens& lens, const SE3& left2camera, const SE3& left2world)
+      : lens_(lens),
+        left2camera_(left2camera.orient.toRotationMatrix()),
+        world2left_(left2world.orient.toRotationMatrix().transpose()),
+        offset_(left2camera.pos),
+        origin_(left2world.pos) {}
+
+  /// The pixel of a point and its derivatives [px].
+  struct Rows {
+    Lens::Projection seen;  ///< also by the lens parameters
+    Eigen::Matrix<double, 2, 6> by_left2camera, by_left2world;
+    Eigen::Matrix<double, 2, 3> by_point;  ///< by the point in the world
+
+    vec2 pixel() const { return seen.pixel; }
+  };
+  Rows rowsOf(const Eigen::Vector3d& world) const {
+    const Eigen::Vector3d in_left = world2left_ * (world - origin_);
+    Rows rows{lens_.differentiate(left2camera_ * in_left + offset_), {}, {}, {}};
+    const Eigen::Matrix<double, 2, 3> by_left = rows.seen.by_point * left2camera_,
+                                      by_turn = by_left * crossMatrix(in_left);
+    rows.by_left2camera << rows.seen.by_point, -by_turn;
+    rows.by_point = by_left * world2left_;
+    rows.by_left2world << -rows.by_point, by_turn;
+    return rows;
+  }
+
+ private:
+  const Lens& lens_;
+  Eigen::Matrix3d left2camera_, world2left_;
+  Eigen::Vector3d offset_, origin_;
+};
+
+}  // namespace slom::calibration
