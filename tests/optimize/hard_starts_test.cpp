@@ -61,8 +61,9 @@ TEST(HardStarts, NoFitOfASigmoidThrowsOrRisesOrClaimsAPlateau) {
         EXPECT_LE(est.getRSS(), before);
         EXPECT_NEAR(est.getRSS(), summary.final_rss, 1e-12 * summary.final_rss);
         // An algorithm with damping may end at a start that leaves the directions free, too.
-        if (summary.converged && algorithm->name() == "Gauss-Newton")
+        if (summary.converged && algorithm->name() == "Gauss-Newton") {
           EXPECT_EQ(summary.free_directions, 0) << summary;
+        }
         optima += summary.converged && summary.final_rss < 100;
       }
       EXPECT_GT(optima, fits / 5) << algorithm->name();
