@@ -2,6 +2,7 @@
 // named.
 #include "slom/calibration/pixel_uncertainty.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include <slom/calibration.hpp>
