@@ -119,8 +119,9 @@ TEST(MarkerLayout, IsFoundFromPartsOfBoards) {
     EXPECT_EQ(found.columns, board.columns) << seed << " " << toString(board);
     EXPECT_EQ(found.rows, board.rows) << seed << " " << toString(board);
     EXPECT_FALSE(found.is_legacy) << seed;
-    if (board.columns != board.rows)
+    if (board.columns != board.rows) {
       EXPECT_LT(2 * found.misfit, misfitOf({board.rows, board.columns}, photos)) << seed;
+    }
   }
 }
 
