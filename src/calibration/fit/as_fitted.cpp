@@ -162,9 +162,10 @@ Dataset withNoiseOf(const Result& result, const Dataset& data) {
 
 Dataset withMotion(const Result& result, const Dataset& data) {
   Dataset moving = data;
+  const DataOnBoard on_board(data, result.board);
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     const double height = imageBoxOf(data.cameras[c], result.cameras[c]).height;
-    const auto motions = motionsByPoses(data.cameras[c], result.cameras[c], result);
+    const auto motions = motionsByPoses((*on_board).cameras[c], result.cameras[c], result);
     for (std::size_t i = 0; i < motions.size(); ++i) {
       for (std::size_t k = 0; k < motions[i].size(); ++k) {
         Corner& corner = moving.cameras[c].views[i].corners[k];
