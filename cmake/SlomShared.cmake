@@ -3,7 +3,7 @@
 # A library exports what the headers in include/ declare, and nothing that src/ declares: its sources are compiled with hidden
 # visibility, after the library's public headers, which are included first, with default visibility. So no declaration
 # is annotated, and none can be forgotten. A linker version script leaves out what the library compiles of others, of Eigen and of the
-# standard library above all, which has default visibility, too. docs/architecture.md says why.
+# standard library above all, which has default visibility, too. docs/decisions/exported_symbols.md says why.
 
 # The number in the SONAMEs, libslom.so.0. It is raised by each release that breaks programs compiled for the one before,
 # whatever the major version.

@@ -1,9 +1,9 @@
-// Coverage of 95 % intervals, stated and clustered, in 1000 simulated calibrations, pose graphs and regressions each.
-// Prints docs/coverage.md.
+// Coverage of 95 % intervals, stated and clustered, in simulated calibrations, pose graphs and regressions. Prints
+// docs/coverage.md. On this page, the section on sizes of groups has 1000 simulations, as `250 --sizes` makes them.
 //
 //   bench_coverage [RUNS] [--sizes]
-//     RUNS     number of simulations; 1000 by default
-//     --sizes  prints only the section on sizes of groups, with 4 times as many simulations
+//     RUNS     number of simulations for each row; 1000 by default; 4 times as many in the section on sizes of groups
+//     --sizes  prints only the section on sizes of groups
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -183,12 +183,13 @@ int main(int argc, char** argv) {
   }
   std::printf(
       "# How often intervals hold\n\n"
-      "This page tests intervals in simulations: how often does an interval of 95 %% contain the true value? `bench_coverage` wrote it. It makes %d simulations for each row, by stated and by "
-      "clustered standard deviations. Clustered intervals use Student's distribution with their degrees of freedom. With %d simulations, each percentage has a standard deviation of %.1f %%.\n\n"
+      "This page tests intervals in simulations: how often does an interval of 95 %% contain the true value? The intervals use stated or clustered standard deviations; clustered ones use Student's "
+      "distribution with their degrees of freedom. `bench_coverage` wrote the page. For calibrations and pose graphs, each row has %d simulations, so each percentage has a standard deviation of %.1f %%. "
+      "The section on [sizes of groups](#sizes-of-groups) says how many simulations it has.\n\n"
       "* \"By parameter\" gives the lowest and the highest percentage of single parameters.\n"
       "* \"Clustered over stated\" is the root mean square of the ratio of standard deviations. It is 1 if errors are independent.\n"
       "* \"Successive groups alike\": the shared error of a group has a correlation of 0.6 with the shared error of the next group. So only about a quarter of the groups are independent.\n",
-      runs, runs, 100 * std::sqrt(0.05 * 0.95 / runs));
+      runs, 100 * std::sqrt(0.05 * 0.95 / runs));
   print("Calibrations", "images", calibrations, runs);
   std::printf(
       "\nThe simulation has one camera and a board of 30 corners. Each image appears larger or smaller than the lens says, by about 1 %% (one standard deviation). The parameters are fx, fy, cx, cy. Groups are "

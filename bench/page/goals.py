@@ -69,21 +69,21 @@ def goals_table(goals):
 
 
 def shortfalls(goals, results):
-    """Returns, for each goal not reached, the problems, the gaps and the phases of these iterations."""
+    """Returns, for each goal not reached, the problems and the gaps; then a table with the largest phase of these iterations."""
     comparisons = {c["problem"]: c for c in facts.select(results)}
     lines = []
     for goal in goals:
-        if not goal.short:
-            continue
-        where = ", ".join(f"{name} {goal.show(value)}" for name, value in sorted(goal.short, key=lambda pair: pair[1]))
-        lines.append(f"* {goal.text}: the goal {goal.show(goal.wanted)} is missed by {where}.")
-    if lines:
-        lines += ["", "The largest part of the time of those iterations is:", ""]
+        if goal.short:
+            where = ", ".join(f"{name} {goal.show(value)}" for name, value in sorted(goal.short, key=lambda pair: pair[1]))
+            lines.append(f"* {goal.text}: the goal {goal.show(goal.wanted)} is missed by {where}.")
+    rows = []
     for name in dict.fromkeys(name for goal in goals for name, _ in goal.short if name in comparisons):
         own = facts.slom(comparisons[name])
         parts = {p: facts.per_iteration(own, p) for p in ("linearize", "factorize", "solve", "rest")}
         largest = max(parts, key=parts.get)
         share = parts[largest] / max(1e-30, sum(parts.values()))
-        lines.append(f"* {name}: {largest}, {percent(share)} of an iteration of {ms(own['iteration'])} ms; "
-                     f"{own['iterations']} iterations, memory {digits(own['memory'] / 1e6)} MB.")
+        rows.append([name, largest, percent(share), ms(own["iteration"]), str(own["iterations"]), digits(own["memory"] / 1e6)])
+    if rows:
+        lines += ["", "The table has the largest part of an iteration of SLoM on these problems:", "",
+                  table(["problem", "largest part", ">of an iteration", ">iteration ms", ">iterations", ">memory MB"], rows)]
     return "\n".join(lines)

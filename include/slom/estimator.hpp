@@ -62,7 +62,7 @@ using VariableType = std::conditional_t<std::is_integral_v<T>, double, PlainValu
 /// How Estimator::marginalize linearises from then on.
 struct MarginalizeOptions {
   /// If true, the priors keep the linearisation points of their variables for all measurements of these variables
-  /// (first-estimate Jacobians). Motions that no measurement observes then stay free (docs/online.md, windows).
+  /// (first-estimate Jacobians). Motions that no measurement observes then stay free (docs/windows.md).
   bool first_estimates = false;
 };
 

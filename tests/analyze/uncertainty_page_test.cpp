@@ -1,4 +1,4 @@
-// What docs/uncertainty.md shows: a small survey, measured by distances.
+// What docs/uncertainty.md, docs/shared_errors.md, docs/error_sizes.md and docs/outliers.md show: a small survey, measured by distances.
 // Pages show code of this file as it stands.
 // clang-format off
 #include <gtest/gtest.h>
@@ -25,7 +25,9 @@ namespace {
 using vec2 = mtk::vect<2>;
 using slom::testing::blocks;
 
-std::string page() { return slom::testing::readFile(slom::testing::sourcePath("docs/uncertainty.md")); }
+std::string page(const std::string& name = "uncertainty") {
+  return slom::testing::readFile(slom::testing::sourcePath("docs/" + name + ".md"));
+}
 
 const auto distance = [](const auto& a, const auto& b) { return (a - b).norm(); };
 
@@ -75,7 +77,7 @@ TEST(UncertaintyPage, ErrorsThatMeasurementsShare) {
   ASSERT_TRUE(summary.converged);
   const slom::Clustered c = slom::clustered(est, {.by = {"day"}});
   std::cout << c.report();
-  EXPECT_EQ(blocks(page(), "text").at(3), c.report());
+  EXPECT_EQ(blocks(page("shared_errors"), "text").at(0), c.report());
 
   const Eigen::VectorXd half = c.interval(barn, 0.95);       // each component +- half: 95 %, by Student's t
   const Eigen::MatrixXd influence = c.influence(barn);       // days x 2, in standard deviations
@@ -120,7 +122,7 @@ TEST(UncertaintyPage, HowLargeErrorsAre) {
   ASSERT_TRUE(est.optimize().converged);
   const slom::VarianceComponents v = slom::varianceComponents(est, {.shared = {{"tape", "day"}}});
   std::cout << v.report();
-  EXPECT_EQ(blocks(page(), "text").at(4), v.report());
+  EXPECT_EQ(blocks(page("error_sizes"), "text").at(0), v.report());
   const auto [lower, upper] = v.at("receiver").interval(0.95);   // of the factor
   slom::apply(v, est);                                       // stated standard deviations, times the factors
   const slom::Summary with_right_weights = est.optimize();

@@ -163,7 +163,7 @@ TEST(CalibrateData, JustinHasThePrecisionThatTheDocumentationShows) {
   std::vector<std::string> options = stereo(folder, "radial1");
   options.insert(options.end(), {"--imu", (folder / "imu.csv").string(), "--imu-reads", "gravity"});
   const std::string report = testing::runCalibrate(options).output;
-  const std::string page = slom::testing::readFile(sourcePath("docs/calibrate.md"));
+  const std::string page = slom::testing::readFile(sourcePath("docs/calibrate/refine.md"));
   const std::size_t begin = report.find("  largest std"), end = report.find("\n\n", begin);
   ASSERT_NE(begin, std::string::npos);
   EXPECT_NE(page.find("```text\n" + report.substr(begin, end - begin) + "\n```"), std::string::npos)

@@ -1,6 +1,6 @@
 // The run in docs/calibrate.md is real: the `$ slom ...` line of its console block prints what follows it there, except
-// for the iterations, whose number and last digits depend on rounding errors. The Python that reads the YAML is run
-// too.
+// for the iterations, whose number and last digits depend on rounding errors. The Python in docs/calibrate/results.md,
+// which reads the YAML of this run, is run too.
 #include "support/documentation.hpp"
 
 #include <gtest/gtest.h>
@@ -34,8 +34,9 @@ TEST(CalibrateDocumentation, ShowsRealRuns) {
       folder;  // the commands write here, and find data/ as in the source tree
   std::filesystem::create_symlink(sourcePath("data"), folder / "data");
   const std::vector<std::string> in_folder{"/usr/bin/env", "-C", folder.path().string()};
-  const std::string page = slom::testing::readFile(sourcePath("docs/calibrate.md"));
-  const auto runs = blocks(page, "console"), scripts = blocks(page, "python");
+  const std::string page = slom::testing::readFile(sourcePath("docs/calibrate.md")),
+                    page_of_results = slom::testing::readFile(sourcePath("docs/calibrate/results.md"));
+  const auto runs = blocks(page, "console"), scripts = blocks(page_of_results, "python");
   ASSERT_EQ(runs.size(), 1u);
   ASSERT_EQ(scripts.size(), 1u);
   ASSERT_TRUE(runs[0].starts_with("$ slom ")) << runs[0];

@@ -549,7 +549,7 @@ TEST(SampleImages, AreComparedAsThePageShows) {
   const std::size_t begin = result.output.find("models compared"),
                     end = result.output.find("\n\neach camera");
   ASSERT_NE(begin, std::string::npos);
-  const std::string page = readFile(slom::testing::sourcePath("docs/calibrate.md"));
+  const std::string page = readFile(slom::testing::sourcePath("docs/calibrate/models.md"));
   EXPECT_NE(page.find("```text\n" + result.output.substr(begin, end - begin) + "\n```"), std::string::npos)
       << result.output.substr(begin, end - begin);
 }

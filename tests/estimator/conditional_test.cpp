@@ -37,7 +37,7 @@ void measure(Estimator& est, const Points& a, const Points& b, unsigned seed) {
   }
 }
 
-/// As docs/online.md shows it.
+/// As docs/windows.md shows it.
 template <class F>
 void joinMaps(const Estimator& submap, const std::vector<AnyVarID>& inner, Estimator& joined,
               const F& counterpartOf) {

@@ -323,7 +323,7 @@ TEST(FirstEstimates, LargeResidualsTakeFewIterations) {
   EXPECT_LE(most, 20);
 }
 
-/// As docs/online.md shows it.
+/// As docs/windows.md shows it.
 TEST(FirstEstimates, AreAnOptionOfAWindow) {
   FixedLag window({.variables = 16, .first_estimates = true});
   PlanarWindow steps(true);

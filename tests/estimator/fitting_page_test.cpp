@@ -1,4 +1,4 @@
-// The code of the section on outliers in docs/fitting.md.
+// The code of the section on robust losses in docs/outliers.md.
 #include <iostream>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-/// Corners and readings from and to files that `slom calibrate` reads. docs/calibrate.md has their columns.
+/// Corners and readings from and to files that `slom calibrate` reads. docs/calibrate/corners.md has their columns.
 #pragma once
 
 #include <string>

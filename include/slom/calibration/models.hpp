@@ -1,5 +1,5 @@
-/// Camera models by name. A model maps a point in front of a camera to a pixel. docs/calibrate.md has the formulas,
-/// docs/extending.md explains how to add a model.
+/// Camera models by name. A model maps a point in front of a camera to a pixel. docs/calibrate/models.md has the
+/// formulas, docs/extending_command.md explains how to add a model.
 #pragma once
 
 #include <optional>

@@ -50,7 +50,7 @@ class GaussianPrior final : public RuntimeMeasurement {
 
   /// Sets whether the linearisation points are first estimates of the variables. If so, while the prior is inserted,
   /// the Jacobians of all measurements of these variables are taken at these points. Residuals are still taken at the
-  /// current values (docs/online.md, windows).
+  /// current values (docs/windows.md).
   GaussianPrior& withFirstEstimates(bool with = true);
   /// Returns the value set by withFirstEstimates.
   bool hasFirstEstimates() const;

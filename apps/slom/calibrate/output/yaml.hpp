@@ -1,4 +1,4 @@
-// The calibration as YAML that OpenCV's FileStorage reads; docs/calibrate.md lists the keys.
+// The calibration as YAML that OpenCV's FileStorage reads; docs/calibrate/results.md shows how to read it.
 #pragma once
 
 #include <string>
