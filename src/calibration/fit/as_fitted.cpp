@@ -128,6 +128,7 @@ std::vector<std::vector<Eigen::Vector2d>> motionsByPoses(const CameraData& camer
     world2camera.emplace(image.image, fitted.left2camera * image.left2world.inverse());
   }
   const double most = 2 * medianOf(gaps);
+  const Lens lens = lensOf(fitted);
   std::vector<std::vector<Eigen::Vector2d>> motions;
   for (const View& view : camera.views) {
     motions.emplace_back();
@@ -142,7 +143,7 @@ std::vector<std::vector<Eigen::Vector2d>> motionsByPoses(const CameraData& camer
     const auto first = has_before ? std::prev(here) : here, last = has_after ? std::next(here) : here;
     for (const Corner& corner : view.corners) {
       const auto at = [&](const SE3& pose) {
-        return Eigen::Vector2d(fitted.project(vec3(pose * corner.world)));
+        return Eigen::Vector2d(lens.project(vec3(pose * corner.world)));
       };
       motions.back().push_back((at(last->second) - at(first->second)) / double(last->first - first->first));
     }

@@ -78,12 +78,8 @@ std::optional<FittedBoard> RigProblem::board() const {
 
 double RigProblem::rmsOfAll() const {
   double square = 0, corners = 0;
-  for (std::size_t c = 0; c < cameras_.size(); ++c) {
-    for (const View& view : data_.cameras[c].views) {
-      for (const Corner& corner : view.corners) square += residual(c, view.image, corner).squaredNorm();
-      corners += double(view.corners.size());
-    }
-  }
+  for (std::size_t c = 0; c < cameras_.size(); ++c)
+    square += squaredErrors(c), corners += double(data_.cameras[c].cornerCount());
   return std::sqrt(square / corners);
 }
 
@@ -159,6 +155,14 @@ vec2 RigProblem::residual(std::size_t camera, int image, const Corner& corner) c
   return predicted - corner.pixel;
 }
 
+double RigProblem::squaredErrors(std::size_t camera) const {
+  double sum = 0;
+  for (const View& view : data_.cameras[camera].views) {
+    for (const Corner& corner : view.corners) sum += residual(camera, view.image, corner).squaredNorm();
+  }
+  return sum;
+}
+
 vec3 RigProblem::gravityResidual(const ImuReading& reading) const {
   return calibration::gravityResidual(*left2world_.at(reading.image), *left2imu_, *acc_bias_, *gravity_,
                                       reading.acc);
@@ -185,11 +189,7 @@ CameraResult RigProblem::cameraResult(std::size_t index) const {
   if (readout_[index]) result.readout = Readout{**readout_[index]};
   result.images = data.views.size();
   result.corners = data.cornerCount();
-  double square = 0;
-  for (const View& view : data.views) {
-    for (const Corner& corner : view.corners) square += residual(index, view.image, corner).squaredNorm();
-  }
-  result.rms_px = std::sqrt(square / double(result.corners));
+  result.rms_px = std::sqrt(squaredErrors(index) / double(result.corners));
   return result;
 }
 

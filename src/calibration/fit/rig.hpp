@@ -40,6 +40,7 @@ class RigProblem {
   void insertCornersOfShape();
   void insertImu(const ImuStart& start);
   vec2 residual(std::size_t camera, int image, const Corner& corner) const;
+  double squaredErrors(std::size_t camera) const;
   CameraResult cameraResult(std::size_t index) const;
   ImuResult imuResult() const;
   ImageResult imageResult(int image) const;

@@ -30,6 +30,14 @@ std::vector<Stray> findStrays(const Dataset& data, const std::vector<Lens>& came
   return views;
 }
 
+double usualRms(const Result& result, std::size_t camera) {
+  std::vector<double> all;
+  for (const ImageResult& image : result.images) {
+    if (image.rms_px[camera]) all.push_back(*image.rms_px[camera]);
+  }
+  return medianOf(all);
+}
+
 void keepUnfitted(Result& result) {
   constexpr double much_worse = 3, least_px = 0.1;
   if (!result.success()) return;
@@ -37,11 +45,7 @@ void keepUnfitted(Result& result) {
   std::vector<double>
       usual_px;  // of a camera's views; at most that of the camera alone, because most views may contradict others
   for (std::size_t c = 0; c < result.cameras.size(); ++c) {
-    std::vector<double> all;
-    for (const ImageResult& image : result.images) {
-      if (image.rms_px[c]) all.push_back(*image.rms_px[c]);
-    }
-    usual_px.push_back(std::fmax(least_px, std::fmin(medianOf(all), result.cameras[c].rms_px_single)));
+    usual_px.push_back(std::fmax(least_px, std::fmin(usualRms(result, c), result.cameras[c].rms_px_single)));
     index_of[result.cameras[c].name] = c;
   }
   std::erase_if(result.strays, [&](const Stray& stray) {

@@ -15,6 +15,9 @@ namespace slom::calibration {
 /// handled elsewhere.
 std::vector<Stray> findStrays(const Dataset& data, const std::vector<Lens>& cameras, const RigStart& rig);
 
+/// Returns the median RMS of a camera's images [px].
+double usualRms(const Result& result, std::size_t camera);
+
 /// Removes strays that the fit matches as well as the other views of their camera. For these, the start values were
 /// far off, not the images.
 void keepUnfitted(Result& result);

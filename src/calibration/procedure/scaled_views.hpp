@@ -12,9 +12,6 @@ namespace slom::calibration {
 /// Returns the index of the camera in a result.
 std::size_t indexOf(const Result& result, const std::string& camera);
 
-/// Returns the median RMS of a camera's images [px].
-double usualRms(const Result& result, std::size_t c);
-
 /// The effort of the search for a pose: number of starts, and tolerance.
 enum class Look { careful, quick };
 

@@ -11,6 +11,7 @@
 #include "calibration/data/check.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/fit/model_fit.hpp"
+#include "calibration/fit/unfitted_views.hpp"
 #include "calibration/initialization/view_misfit.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/median.hpp"
