@@ -556,7 +556,8 @@ TEST(ClusteredInOrder, ChoosesTheLengthOfBlocks) {
   EXPECT_EQ(
       of(c).notes(c.level).at(0),
       "the variance still grows at the longest blocks of which there are enough; errors are shared over "
-      "longer series, and the variance is too small: level with blocks of 16 groups");
+      "longer series, for example by a drift, and the variance is extrapolated from the growth, which is rough: "
+      "level with blocks of 16 groups");
   EXPECT_GT(of(c).standardDeviation(c.level)[0], 2 * alone(c).standardDeviation(c.level)[0]);
 
   const Series d(few);

@@ -56,7 +56,7 @@ class VariableNotes {
     say("the covariance by several groupings had negative eigenvalues, which count as 0: ", indefinite_);
     say("one grouping alone gave a larger variance than all groupings together, and is taken: ", smaller_);
     say("the variance still grows at the longest blocks of which there are enough; errors are shared over "
-        "longer series, and the variance is too small: ",
+        "longer series, for example by a drift, and the variance is extrapolated from the growth, which is rough: ",
         growing_);
     say("successive groups are so alike that together they count as fewer than 10 independent groups, and "
         "intervals hold less often than stated: ",

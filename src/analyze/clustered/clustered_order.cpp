@@ -1,10 +1,12 @@
 // Variances for ordered groups, whose neighbours may share errors.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "analyze/clustered/clustered_state.hpp"
 #include "analyze/variance/series_variance.hpp"
 #include "base/index.hpp"
+#include "slom/analyze/long_memory.hpp"
 #include "slom/analyze/student.hpp"
 
 namespace slom {
@@ -42,14 +44,23 @@ const Clustered::State::Choice& Clustered::State::choice(int variable) {
 
 /// Tries blocks of 1, 2, 4, ... groups until the variance grows by less than its standard deviation, sqrt(2 / dof)
 /// times the variance. Blocks of length b miss a part of order 1 / b, so 2 V(2 b) - V(b) misses less. If V(b) comes
-/// from the halves of the blocks of V(2 b), the extrapolation has the variance 5 / dof, and V(2 b) has 2 / dof.
+/// from the halves of the blocks of V(2 b), the extrapolation has the variance 5 / dof, and V(2 b) has 2 / dof. If the
+/// variance of some component still grows at the longest blocks, it is extrapolated to the whole series.
 ///   source   Flegal and Jones 2010; Politis and Romano 1995 for the extrapolation
 void Clustered::State::chooseBlocks(int variable, Choice& result) {
   VectorXd before = covarianceAt(0, {variable}).C.diagonal(), largest = before;
   result.deviation = before.cwiseSqrt();
   result.dof = degreesOfFreedom(variable, 0);
+  std::vector<std::vector<double>> by_length(
+      static_cast<std::size_t>(before.size()));  // variances, by component
+  const auto keep = [&](const VectorXd& variances) {
+    for (Index i = 0; i < variances.size(); ++i)
+      by_length[static_cast<std::size_t>(i)].push_back(variances[i]);
+  };
+  keep(before);
   for (int l = 1; l < levelCount(); ++l) {
     const VectorXd now = covarianceAt(l, {variable}).C.diagonal(), dof = degreesOfFreedom(variable, l);
+    keep(now);
     result.level = l;
     result.dof = dof;
     result.levels_off = true;
@@ -65,6 +76,13 @@ void Clustered::State::chooseBlocks(int variable, Choice& result) {
       break;
     }
     before = now;
+  }
+  for (Index i = 0; !result.levels_off && i < largest.size(); ++i) {
+    const double factor =
+        longMemoryFactor(by_length[static_cast<std::size_t>(i)], ways[0].count(), 1 << result.level);
+    if (!(factor > 1)) continue;
+    result.deviation[i] *= std::sqrt(factor);
+    result.dof[i] = std::max(1.0, 0.4 * result.dof[i]);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "calibration/quality/uncertainty/whitened_scores.hpp"
 #include "calibration/rotation_vector.hpp"
 #include "calibration/symmetric.hpp"
+#include "slom/analyze/long_memory.hpp"
 #include "slom/calibration/number_text.hpp"
 
 namespace slom::calibration {
@@ -41,22 +42,6 @@ struct BlockChoice {
   double extrapolation = 1;  // factor on the variance of the longest blocks
 };
 
-/// Returns the factor that extrapolates the variance from the longest blocks to all n images. For errors with a long
-/// memory, the variance per image of sums over blocks of b images grows as b^a, a = 2 H - 1 with Hurst's coefficient
-/// H. The variance by blocks is about the mean of all images, so that V(b) = V(n) (b / n)^a (1 - (b / n)^(1 - a)).
-/// Beyond a = 0.8, so few blocks cannot distinguish such errors from a drift.
-///   source   Beran, "Statistics for long-memory processes", 1994, section 4.4, and section 1.2 for the variance about
-///            the mean
-double extrapolationOf(const std::vector<double>& ratios, int images, int length) {
-  constexpr std::size_t doublings = 2;  // to estimate the power from
-  constexpr double largest_power = 0.8;
-  if (ratios.size() <= doublings + 1) return 1;
-  const double growth = ratios.back() / ratios[ratios.size() - 1 - doublings];
-  const double power = std::clamp(std::log2(growth) / doublings, 0.0, largest_power);
-  const double blocks = double(images) / length;
-  return std::pow(blocks, power) / (1 - std::pow(blocks, power - 1));
-}
-
 /// Tries blocks of 1, 2, 4, ... images until the mean variance over all directions grows by less than its
 /// uncertainty. Blocks of length b miss a part of order 1 / b, so 2 V(2 b) - V(b) misses less. If the mean does not
 /// level off, extrapolates it from the longest blocks.
@@ -80,7 +65,7 @@ BlockChoice chooseBlocks(const WhitenedScores& scores) {
     return choice;
   }
   if (choice.levels_off) return choice;
-  choice.extrapolation = extrapolationOf(ratios, scores.images(), choice.length);
+  choice.extrapolation = longMemoryFactor(ratios, scores.images(), choice.length);
   choice.sums.V *= choice.extrapolation;
   if (choice.extrapolation > 1) choice.sums.dof = (dof_left * choice.sums.dof).cwiseMax(1);
   return choice;
