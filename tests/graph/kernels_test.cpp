@@ -60,7 +60,7 @@ TEST(Kernels, GiveTheSameBitsWithAvx2AndAvx512) {
     if (std::filesystem::exists(path)) runs.push_back({"graph", path.string(), "--online"});
   }
   for (const char* model : {"opencv5", "double_sphere"}) {
-    runs.push_back({"calibrate", "--model", model, "--camera",
+    runs.push_back({"calibrate", "--intrinsics", model, "--camera",
                     "left=" + slom::testing::sourcePath("data/opencv_stereo/left_corners.csv").string(),
                     "--camera",
                     "right=" + slom::testing::sourcePath("data/opencv_stereo/right_corners.csv").string()});
