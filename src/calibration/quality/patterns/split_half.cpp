@@ -169,6 +169,8 @@ Dataset halfOf(const Dataset& data, int half) {
 SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result& fit,
                     const std::vector<ImageGrid>& grids) {
   constexpr std::size_t fewest_images = 2;
+  Settings with_known_readout = settings;
+  with_known_readout.rolling_shutter = false;  // which the data no longer show
   SplitHalf result;
   std::vector<Result> results;
   std::vector<std::unique_ptr<Half>> halves;
@@ -183,7 +185,7 @@ SplitHalf splitHalf(const Dataset& data, const Settings& settings, const Result&
     }
     try {
       checkConnected(part);
-      results.push_back(calibrateModelFrom(fit, part, settings));
+      results.push_back(calibrateModelFrom(fit, part, with_known_readout));
       addClustered(part, results.back());
     } catch (const DataError&) {
       result.why_not = fmt::format("the {} half of the images does not determine a calibration", which);
