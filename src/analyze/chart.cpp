@@ -127,7 +127,7 @@ void Chart::band(const std::vector<double>& x, const std::vector<double>& low,
   std::string path;
   const auto add = [&](double at, double y) {
     const auto [u, v] = place(at, std::clamp(y, frame_.y.low, frame_.y.high));
-    path += (path.empty() ? "M" : "L") + px(u) + " " + px(v);
+    path += std::string(path.empty() ? "M" : "L") + px(u) + " " + px(v);
   };
   for (std::size_t i = 0; i < x.size(); ++i) add(x[i], high[i]);
   for (std::size_t i = x.size(); i-- > 0;) add(x[i], low[i]);

@@ -48,7 +48,7 @@ Movement movementAlong(const VectorXd& direction, const VectorXd& scale, const s
   for (const Index i : order) {
     const double relative = amount(i) / amount(order.front());
     result.names.push_back(name_of(unknowns[static_cast<std::size_t>(i)]));
-    result.amounts.push_back((relative > 0 ? "+" : "") + number(relative));
+    result.amounts.push_back(std::string(relative > 0 ? "+" : "") + number(relative));
   }
   return result;
 }

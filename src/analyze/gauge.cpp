@@ -151,7 +151,7 @@ std::string axes(const MatrixXd& A) {
       const Eigen::Vector3d axis = basis.col(j) / (basis(largest, j) > 0 ? 1.0 : -1.0);
       std::string text = "(";
       for (int i = 0; i < 3; ++i)
-        text += (i > 0 ? " " : "") + number(std::abs(axis[i]) < kSame ? 0 : axis[i]);
+        text += std::string(i > 0 ? " " : "") + number(std::abs(axis[i]) < kSame ? 0 : axis[i]);
       names.push_back(text + ")");
     }
   }

@@ -103,7 +103,7 @@ std::string IntervalTable::csv() const {
   for (const ParameterInterval& row : rows) {
     all += quoted(row.name);
     for (const double x : {row.value, row.standard_deviation, row.lower, row.upper})
-      all += "," + allDigits(x);
+      (all += ",") += allDigits(x);
     all += row.is_profile ? ",profile\n" : ",standard deviation\n";
   }
   return all;

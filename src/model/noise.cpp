@@ -54,7 +54,7 @@ double whiteningFactor(NoiseForm form, double x) {
 }
 
 std::string entryText(int row, int col, double value) {
-  return "(" + std::to_string(row) + ", " + std::to_string(col) + ") = " + number(value, 6);
+  return std::string("(") + std::to_string(row) + ", " + std::to_string(col) + ") = " + number(value, 6);
 }
 
 bool checkSize(const NoiseView& noise, int dim, NoiseComplaint& complaint) {

@@ -42,7 +42,7 @@ bool Words::moreOnLine() {
 
 bool Words::number(double& value) const { return parseNumber(word_, value) && std::isfinite(value); }
 
-std::string Words::quoted() const { return "\"" + shortened(word_, longest_word) + "\""; }
+std::string Words::quoted() const { return std::string("\"") + shortened(word_, longest_word) + "\""; }
 
 void Words::fail(const std::string& what) const { failAt("bad-line", file_, line_, what); }
 

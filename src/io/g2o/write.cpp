@@ -109,7 +109,7 @@ void appendMeasurements(Text& text, const PoseGraph<Pose>& graph, std::uint64_t 
   const auto landmark = [&](int i) { return graph.landmarks[std::size_t(i)].id; };
   const auto sensorText = [&](int sensor) {
     if (dim<Pose> == 2) return std::string();
-    return " " + std::to_string(sensor < 0 ? origin : graph.sensors[std::size_t(sensor)].id);
+    return std::string(" ") + std::to_string(sensor < 0 ? origin : graph.sensors[std::size_t(sensor)].id);
   };
   for (const auto& edge : graph.edges) appendEdge(text, T::edge, pose(edge.from), pose(edge.to), "", edge);
   for (std::size_t i = 0; i < graph.sightings.size(); ++i) {
