@@ -27,9 +27,10 @@ std::string decimal(double x, double standard_deviation) {
 }
 
 Cells cellsOf(const ParameterInterval& row) {
-  const double s = row.standard_deviation;
-  return {row.name + (row.is_profile ? "" : " *"), decimal(row.value, s), number(s, 3), decimal(row.lower, s),
-          decimal(row.upper, s)};
+  const bool is_at_bound = row.standard_deviation == 0 && row.lower < row.upper;
+  const double s = is_at_bound ? (row.upper - row.lower) / 4 : row.standard_deviation;
+  return {row.name + (row.is_profile ? "" : " *"), decimal(row.value, s),
+          is_at_bound ? "at bound" : number(s, 3), decimal(row.lower, s), decimal(row.upper, s)};
 }
 
 std::vector<Cells> cellsOf(const IntervalTable& table) {

@@ -164,6 +164,15 @@ TEST(Intervals, AreWrittenForPagesAndPrograms) {
             "  * from the standard deviation; all others by profile likelihood\n");
 }
 
+TEST(Intervals, SayThatAComponentIsAtItsBound) {
+  slom::IntervalTable table;
+  table.rows = {{.name = "rate", .value = 0.3, .standard_deviation = 0, .lower = 0.273021, .upper = 0.3}};
+  EXPECT_EQ(table.text(),
+            "95 % intervals\n"
+            "  parameter   value  standard deviation    lower   upper\n"
+            "  rate       0.3000            at bound   0.2730  0.3000\n");
+}
+
 TEST(Intervals, AreThoseOfAFit) {
   NoisyLine line(5, 9);
   EXPECT_EQ(messageOf([&] { slom::intervals(line.est); }).substr(0, 20), "[slom.not-a-minimum]");

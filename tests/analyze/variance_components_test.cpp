@@ -477,7 +477,7 @@ TEST(VarianceComponents, Report) {
   EXPECT_EQ(
       slom::varianceComponents(all.est, {.shared = {{"level", "day"}}}).report(),
       "Converged: the variances changed by less than the tolerance\n"
-      "  errors of            residuals  redundancy        dof  sigma over stated\n"
+      "  kind                 residuals  redundancy        dof  sigma over stated\n"
       "  gps                         40       38.55       38.3  1.162 +- 0.13\n"
       "  level                       32       21.86         21  1.008 +- 0.16\n"
       "  radar                        1     0.01952          0  1 as stated\n"

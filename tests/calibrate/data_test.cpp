@@ -1,4 +1,5 @@
 // Whole runs on real and simulated data, compared with OpenCV, the truth and independent fits.
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -235,6 +236,16 @@ TEST(CalibrateData, JsonSaysHowTimeStampsWerePaired) {
   const json numbered = calibrated(stereo(data, "opencv5"));
   EXPECT_TRUE(numbered["time_stamps"].is_null());
   EXPECT_EQ(numbered["kernels"], slom::instructionSet());
+}
+
+/// As the other commands: nothing but the JSON is on standard output, and there is no file of that name.
+TEST(CalibrateData, WritesJsonToStandardOutput) {
+  std::vector<std::string> options = stereo(sourcePath("data/simulated_stereo_imu"), "opencv4");
+  options.insert(options.end(), {"--json", "-"});
+  const auto result = testing::runCalibrate(options);
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_TRUE(json::parse(result.output)["converged"].get<bool>());
+  EXPECT_FALSE(std::filesystem::exists("-"));
 }
 
 TEST(CalibrateData, OpenCVReadsTheYaml) {

@@ -9,6 +9,7 @@
 #include "graph/graph_command.hpp"
 #include "support/paths.hpp"
 #include "support/run_command.hpp"
+#include "support/slow_with_sanitizers.hpp"
 
 namespace slom::app::graph {
 namespace {
@@ -50,6 +51,7 @@ std::string numbersBy(const char* kernels, const std::vector<std::string>& words
 }
 
 TEST(Kernels, GiveTheSameBitsWithAvx2AndAvx512) {
+  SLOM_SKIP_WITH_SANITIZERS();
   if (std::string(slom::instructionSet()) != "AVX-512") GTEST_SKIP() << "this processor has no AVX-512";
   std::vector<std::vector<std::string>> runs = {
       {"graph", slom::testing::sourcePath("data/simulated_pose_graph/town.g2o").string()},

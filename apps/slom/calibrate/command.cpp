@@ -101,7 +101,7 @@ void writeFiles(const Dataset& data, const Result& result, const CommandSettings
                 const ImageNumbers& numbers) {
   OutputFiles files;
   std::string said;
-  if (!settings.json_file.empty()) {
+  if (!settings.jsonPath().empty()) {
     files.add(settings.json_file, toJson(result, numbers));
     said += fmt::format("written: {}\n", oneLine(settings.json_file));
   }
@@ -121,13 +121,15 @@ void writeFiles(const Dataset& data, const Result& result, const CommandSettings
     said += fmt::format("written: {}\n", oneLine(settings.report_file));
   }
   files.commit();
+  if (settings.jsonToStdout())
+    std::fputs(toJson(result, numbers).c_str(), stdout);  // main() checks that it arrived
   if (!settings.quiet && !said.empty()) say("\n" + said);
 }
 
 /// Throws before the work starts if its results could not be written.
 void requireResultsWritable(const CommandSettings& settings) {
   std::vector<std::string> files = outputFiles(settings);
-  files.push_back(settings.json_file);
+  files.push_back(settings.jsonPath());
   files.push_back(settings.report_file);
   requireWritable(files);
 }

@@ -55,7 +55,7 @@ std::vector<std::string> cornerFiles(const CommandSettings& settings) {
 }
 
 std::vector<NamedFile> resultFiles(const CommandSettings& settings) {
-  std::vector<NamedFile> files{{"--json", settings.json_file}, {"--report", settings.report_file}};
+  std::vector<NamedFile> files{{"--json", settings.jsonPath()}, {"--report", settings.report_file}};
   for (const std::string& file : outputFiles(settings)) files.push_back({"--output", file});
   for (const std::string& file : cornerFiles(settings)) files.push_back({"--corners-out", file});
   return files;

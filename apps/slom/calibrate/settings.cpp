@@ -336,6 +336,7 @@ bool parseImuReads(const std::string& text, const CommandSettings& settings) {
 
 CommandSettings parseSettings(const RawOptions& raw) {
   CommandSettings settings = raw.rest;
+  if (settings.jsonToStdout()) settings.quiet = true;
   if (raw.imu_files.size() > 1) {
     throw UserError(fmt::format(
         "--imu {}: takes only one file; put the readings of all parts of the recording into one file, "

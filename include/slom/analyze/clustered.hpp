@@ -318,6 +318,9 @@ class Clustered {
   std::shared_ptr<State> state_;
 };
 
+/// Prints report().
+std::ostream& operator<<(std::ostream& os, const Clustered& clustered);
+
 /// Returns covariances for errors that measurements share within groups (slom::group and other ways), at the values of
 /// the fit. Throws [slom.no-groups], [slom.bad-group], [slom.too-few-groups], [slom.not-a-minimum] and as
 /// Estimator::covariance does.

@@ -2,7 +2,7 @@
 /// maximum likelihood.
 ///
 ///     const slom::VarianceComponents v = slom::varianceComponents(est);
-///     std::cout << v.report();
+///     std::cout << v;
 ///     slom::apply(v, est);     // sets the stated standard deviations to the estimated ones
 ///     est.optimize();
 ///
@@ -16,6 +16,7 @@
 #pragma once
 
 #include <functional>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
@@ -108,6 +109,9 @@ struct VarianceComponents {
   std::shared_ptr<const Assignment> assignment;  ///< for slom::apply
   std::vector<double> correlations;              ///< for pairs of components
 };
+
+/// Prints report().
+std::ostream& operator<<(std::ostream& os, const VarianceComponents& components);
 
 /// Estimates the size of the errors of each kind of measurement, relative to the stated ones, and of the errors that
 /// groups share. Works at the values of the fit and keeps them. Throws [slom.not-a-minimum], [slom.no-component],

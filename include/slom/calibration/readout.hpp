@@ -19,6 +19,9 @@ struct Readout {
   double std = std::numeric_limits<double>::quiet_NaN();  ///< for noise alone
   double std_clustered =
       std::numeric_limits<double>::quiet_NaN();  ///< for errors that successive images share
+
+  /// Returns the larger standard deviation: few blocks of images may show a clustered one that is too small.
+  double largestStd() const { return std_clustered > std ? std_clustered : std; }
 };
 
 /// What residuals of a fit without readout say about a rolling shutter.

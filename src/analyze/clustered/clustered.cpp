@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <ostream>
 
 #include "analyze/clustered/clustered_state.hpp"
 #include "base/classic_numbers.hpp"
@@ -162,6 +163,8 @@ std::vector<ClusterCheck> Clustered::check() const {
   }
   return result;
 }
+
+std::ostream& operator<<(std::ostream& os, const Clustered& clustered) { return os << clustered.report(); }
 
 std::string Clustered::report(int most_unknowns) const {
   const LinearizedProblem& linearized = state_->problem();

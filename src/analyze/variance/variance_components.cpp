@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <ostream>
 
 #include "base/classic_numbers.hpp"
 #include "base/words.hpp"
@@ -53,7 +54,7 @@ std::string VarianceComponents::report() const {
   char numbers[120];
   std::snprintf(numbers, sizeof numbers, " %9s %11s %10s  %s\n", "residuals", "redundancy", "dof",
                 "sigma over stated");
-  line("errors of", numbers);
+  line("kind", numbers);
   for (const VarianceComponent& one : components) {
     const std::string factor = one.is_estimated
                                    ? number(one.factor, 4) + " +- " + number(one.standard_deviation, 2)
@@ -64,6 +65,10 @@ std::string VarianceComponents::report() const {
   }
   for (const std::string& note : notes) text += "  note: " + note + "\n";
   return text;
+}
+
+std::ostream& operator<<(std::ostream& os, const VarianceComponents& components) {
+  return os << components.report();
 }
 
 }  // namespace slom

@@ -65,7 +65,7 @@ bool moves(const CameraData& camera) {
 
 bool ReadoutTrial::isFound() const {
   constexpr double by_chance = 0.005, clear = 3;
-  return probability <= by_chance && std::abs(readout.value) > clear * readout.std_clustered;
+  return probability <= by_chance && std::abs(readout.value) > clear * readout.largestStd();
 }
 
 std::vector<std::optional<ReadoutTrial>> compareReadout(const Dataset& all, const Result& result) {

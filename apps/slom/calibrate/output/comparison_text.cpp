@@ -105,7 +105,7 @@ std::string noiseText(const NoiseComparison& comparison, const Result& result) {
 
 std::string readoutText(const std::vector<std::optional<ReadoutTrial>>& trials, const Result& result) {
   std::string text = fmt::format("\nreadout of rows\n  {:<20}{:>12}{:>12}{:>14}\n", "camera", "intervals",
-                                 "clustered", "by chance");
+                                 "std", "by chance");
   bool is_found = false;
   for (std::size_t c = 0; c < trials.size(); ++c) {
     if (!trials[c]) {
@@ -115,7 +115,7 @@ std::string readoutText(const std::vector<std::optional<ReadoutTrial>>& trials, 
     const ReadoutTrial& trial = *trials[c];
     is_found = is_found || trial.isFound();
     text += fmt::format("  {:<20}{:>12.4f}{:>12}{:>14.4f}\n", result.cameras[c].name, trial.readout.value,
-                        "+- " + twoDigits(trial.readout.std_clustered), trial.probability);
+                        "+- " + twoDigits(trial.readout.largestStd()), trial.probability);
   }
   return text + bulleted(is_found ? "Rows are read one after the other; the time is estimated."
                                   : "There is no sign that rows are read one after the other.");
