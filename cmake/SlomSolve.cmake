@@ -38,18 +38,22 @@ else()
 endif()
 
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
-  set(kernel_sources "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp" "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"
-                     "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp")
+  foreach(folder IN ITEMS solve/dense tape)  # the factorisation's and those of tapes
+    foreach(set IN ITEMS avx2 avx512 portable)
+      list(APPEND ${set}_kernels "${PROJECT_SOURCE_DIR}/src/${folder}/kernels_${set}.cpp")
+    endforeach()
+  endforeach()
+  set(kernel_sources ${avx2_kernels} ${avx512_kernels} ${portable_kernels})
   set_property(SOURCE ${kernel_sources} APPEND PROPERTY COMPILE_OPTIONS -O3 -fno-math-errno)
   # Nothing but the kernels may be compiled with other instructions, so no header is put before them: cmake/SlomShared.cmake.
   set_property(SOURCE ${kernel_sources} APPEND PROPERTY COMPILE_DEFINITIONS SLOM_NO_HEADER_FIRST)
   # Its vectors are passed among its own functions alone, so nobody else need know how.
-  set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_portable.cpp" APPEND PROPERTY COMPILE_OPTIONS -Wno-psabi)
+  set_property(SOURCE ${portable_kernels} APPEND PROPERTY COMPILE_OPTIONS -Wno-psabi)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     # Multiply-adds are written out: the same bits from every compiler and instruction set with FMA.
     set_property(SOURCE ${kernel_sources} APPEND PROPERTY COMPILE_OPTIONS -ffp-contract=off)
-    set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx2.cpp" APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma)
-    set_property(SOURCE "${PROJECT_SOURCE_DIR}/src/solve/dense/kernels_avx512.cpp"
+    set_property(SOURCE ${avx2_kernels} APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma)
+    set_property(SOURCE ${avx512_kernels}
                  APPEND PROPERTY COMPILE_OPTIONS -mavx2 -mfma -mavx512f -mavx512vl -mavx512dq)
   else()
     list(FILTER slom_sources EXCLUDE REGEX "/kernels_avx(2|512)\\.cpp$")

@@ -535,8 +535,12 @@ class Estimator {
   template <class F, class Arguments, std::size_t... I>
   auto insertCallable(F f, const Arguments& args, std::index_sequence<I...>, const NoiseView& noise,
                       std::string_view label, const Loss& loss) {
-    using M = CallableMeasurement<F, detail::PlainValue<decltype(detail::valueAt<I>(args))>...>;
-    return problem().insertMeasurement(M(std::move(f), detail::valueAt<I>(args)...), noise, label, loss);
+    if constexpr (requires { typename F::Traced; }) {  // slom::traced
+      return F::insert(problem(), f, noise, label, loss, detail::plainValue(detail::valueAt<I>(args))...);
+    } else {
+      using M = CallableMeasurement<F, detail::PlainValue<decltype(detail::valueAt<I>(args))>...>;
+      return problem().insertMeasurement(M(std::move(f), detail::valueAt<I>(args)...), noise, label, loss);
+    }
   }
   template <class F, class Arguments, std::size_t... I>
   auto insertList(F f, const std::vector<AnyVarID>& variables, const Arguments& args,

@@ -9,9 +9,11 @@
 
 namespace slom {
 
-MeasurementPool* Problem::findPool(std::type_index type, std::string_view label, int arity) const {
+MeasurementPool* Problem::findPool(const MeasurementType& type, std::string_view label, int arity) const {
   for (const auto& pool : pools_) {
-    if (type == *pool->type().id && pool->label() == label && (arity == 0 || pool->arity() == arity))
+    const MeasurementType& own = pool->type();
+    if (*type.id == *own.id && type.code == own.code && pool->label() == label &&
+        (arity == 0 || pool->arity() == arity))
       return pool.get();
   }
   return nullptr;
@@ -19,7 +21,7 @@ MeasurementPool* Problem::findPool(std::type_index type, std::string_view label,
 
 MeasurementPool* Problem::addPool(const MeasurementType& type, std::string_view label) {
   const std::string own_label(label);
-  MeasurementPool* const first = findPool(*type.id, label, 0);
+  MeasurementPool* const first = findPool(type, label, 0);
   const std::string name =
       first != nullptr ? first->name() : nameForPool(label.empty() ? type.name() : own_label);
   pools_.push_back(std::unique_ptr<MeasurementPool>(type.make_pool(name, own_label, type, table_, active_)));
@@ -58,7 +60,7 @@ std::pair<MeasurementPool*, SlotRef> Problem::insertMeasurement(const Measuremen
     if (arguments[k]->store() != table_[at(variables.back())].store)  // a handle of the original problem
       arguments[k]->rebind(handleOf(variables.back()));
   }
-  MeasurementPool* pool = findPool(*type.id, label, type.arity);
+  MeasurementPool* pool = findPool(type, label, type.arity);
   const bool is_new = pool == nullptr;
   if (is_new) pool = addPool(type, label);
   const SlotRef ref = [&] {

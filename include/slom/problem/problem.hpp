@@ -127,6 +127,13 @@ class Problem {
     const auto [pool, ref] = insertRuntime(new M(std::move(measurement)), noise, label, loss);
     return MeasID<M>(handleOf(*pool, ref));
   }
+  /// Adds a measurement of this type, whose pool moves from `measurement`. `arguments`: its variables, type.arity of them.
+  template <class M>
+  MeasID<M> insertOfType(const MeasurementType& type, M& measurement, VariableArgument* const* arguments,
+                         const NoiseView& noise, std::string_view label, const Loss& loss) {
+    const auto [pool, ref] = insertMeasurement(type, &measurement, arguments, noise, label, loss);
+    return MeasID<M>(handleOf(*pool, ref));
+  }
   /// Returns the pool of a measurement and its index there. Throws [slom.stale-handle].
   std::pair<MeasurementPool*, int> locate(const MeasurementHandle& id) const;
   /// Removes measurement i of the pool; the last measurement takes its place.
@@ -250,7 +257,7 @@ class Problem {
   const std::vector<Use>& usesOf(int variable) const;
   void noteUse(MeasurementPool* pool, SlotRef ref, const int* variables, int arity) const;
   /// Returns a pool. Pools of run-time kinds also differ in arity; 0: the first one of any arity.
-  MeasurementPool* findPool(std::type_index type, std::string_view label, int arity) const;
+  MeasurementPool* findPool(const MeasurementType& type, std::string_view label, int arity) const;
   MeasurementPool* addPool(const MeasurementType& type, std::string_view label);
   void removeLastPool();
   std::vector<const MeasurementPool*> findPools(std::type_index type) const;
