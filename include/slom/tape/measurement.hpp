@@ -15,10 +15,10 @@ namespace slom {
 /// A tape over variables of certain types: what measurements that are evaluated together have in common.
 struct TracedKind : std::enable_shared_from_this<TracedKind> {
   tape::Tape tape;
-  std::vector<std::type_index> types;   ///< of the variables
-  std::vector<tape::Layout> layouts;    ///< of their coordinates
-  std::vector<int> dof;                 ///< of the variables
-  std::vector<char> is_contiguous;      ///< whether the coordinates of a variable follow one another
+  std::vector<std::type_index> types;  ///< of the variables
+  std::vector<tape::Layout> layouts;   ///< of their coordinates
+  std::vector<int> dof;                ///< of the variables
+  std::vector<char> is_contiguous;     ///< whether the coordinates of a variable follow one another
 
   TracedKind(tape::Tape tape, std::vector<std::type_index> types, std::vector<tape::Layout> layouts);
 
@@ -38,7 +38,7 @@ struct TracedMeasurement {
 };
 
 /// Adds the measurement to the problem. Measurements of one kind and label are evaluated as a batch.
-MeasID<TracedMeasurement> insertTraced(Problem& problem, TracedMeasurement& measurement, const NoiseView& noise,
-                                       std::string_view label, const Loss& loss);
+MeasID<TracedMeasurement> insertTraced(Problem& problem, TracedMeasurement& measurement,
+                                       const NoiseView& noise, std::string_view label, const Loss& loss);
 
 }  // namespace slom

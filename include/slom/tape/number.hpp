@@ -102,8 +102,12 @@ class Number {
   friend Number operator+(const Number& a) { return a; }
   friend Number operator-(const Number& a) { return detail::apply(Operation::negate, a); }
   friend Number operator+(const Number& a, const Number& b) { return detail::apply(Operation::add, a, b); }
-  friend Number operator-(const Number& a, const Number& b) { return detail::apply(Operation::subtract, a, b); }
-  friend Number operator*(const Number& a, const Number& b) { return detail::apply(Operation::multiply, a, b); }
+  friend Number operator-(const Number& a, const Number& b) {
+    return detail::apply(Operation::subtract, a, b);
+  }
+  friend Number operator*(const Number& a, const Number& b) {
+    return detail::apply(Operation::multiply, a, b);
+  }
   friend Number operator/(const Number& a, const Number& b) { return detail::divide(a, b); }
   friend Condition operator<(const Number& a, const Number& b);
   friend Condition operator<=(const Number& a, const Number& b);
@@ -178,7 +182,7 @@ inline Number select(const Condition& condition, const Number& a, const Number& 
 /// Throws [slom.traced-branch], which names the place. For languages that convert to bool when a program runs.
 [[noreturn]] void raiseBranch(const Condition& condition);
 
-#define SLOM_TAPE_FUNCTION(name)      \
+#define SLOM_TAPE_FUNCTION(name) \
   inline Number name(const Number& x) { return detail::apply(Operation::name, x); }
 SLOM_TAPE_FUNCTION(abs)
 SLOM_TAPE_FUNCTION(floor)

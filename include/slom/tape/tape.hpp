@@ -114,9 +114,10 @@ class Tape {
   void gather(const Source& source, int first, int count, double* arena) const;
 
   Code code_;
-  std::vector<int> sizes_;       ///< number of coordinates of each variable
-  std::vector<int> entry_row_;   ///< row of the arena that holds each entry of the Jacobian
-  std::vector<double> entries_;  ///< different values of constant entries, in rows of the arena after the registers
+  std::vector<int> sizes_;      ///< number of coordinates of each variable
+  std::vector<int> entry_row_;  ///< row of the arena that holds each entry of the Jacobian
+  std::vector<double>
+      entries_;  ///< different values of constant entries, in rows of the arena after the registers
   int columns_ = 0, coordinates_ = 0, lanes_ = 0;
   std::uint64_t hash_ = 0;
 };
