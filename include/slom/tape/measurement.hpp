@@ -20,6 +20,7 @@ struct TracedKind : std::enable_shared_from_this<TracedKind> {
   std::vector<int> dof;                ///< of the variables
   std::vector<char> is_contiguous;     ///< whether the coordinates of a variable follow one another
 
+  /// Creates a kind. Other code calls `shared`.
   TracedKind(tape::Tape tape, std::vector<std::type_index> types, std::vector<tape::Layout> layouts);
 
   /// Returns the kind with this tape and these types: the one that exists already, if there is one.
@@ -27,6 +28,7 @@ struct TracedKind : std::enable_shared_from_this<TracedKind> {
                                                   std::vector<tape::Layout> layouts);
   /// Returns the kind that `remember` was called with; null if it no longer exists.
   static std::shared_ptr<const TracedKind> remembered(std::uint64_t fingerprint);
+  /// Notes a formula that led to this kind, so that it need not be differentiated again.
   static void remember(std::uint64_t fingerprint, const std::shared_ptr<const TracedKind>& kind);
 };
 

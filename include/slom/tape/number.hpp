@@ -206,17 +206,29 @@ SLOM_TAPE_FUNCTION(log1p)
 SLOM_TAPE_FUNCTION(cbrt)
 SLOM_TAPE_FUNCTION(erf)
 #undef SLOM_TAPE_FUNCTION
+/// Returns |x|.
 inline Number fabs(const Number& x) { return abs(x); }
+/// Returns x^2.
 inline Number abs2(const Number& x) { return x * x; }
+/// Returns the least integer that is not below x.
 inline Number ceil(const Number& x) { return -floor(-x); }
+/// Returns the logarithm to the base 2.
 inline Number log2(const Number& x) { return log(x) * 1.4426950408889634073599246810018921; }
+/// Returns the logarithm to the base 10.
 inline Number log10(const Number& x) { return log(x) * 0.4342944819032518276511289189166051; }
+/// Returns the angle of (x, y) in [-pi, pi].
 inline Number atan2(const Number& y, const Number& x) { return detail::apply(Operation::atan2, y, x); }
+/// Returns sqrt(x^2 + y^2).
 inline Number hypot(const Number& x, const Number& y) { return detail::apply(Operation::hypot, x, y); }
+/// Returns x to the power of y.
 inline Number pow(const Number& x, const Number& y) { return detail::apply(Operation::pow, x, y); }
+/// Returns the smaller number.
 inline Number fmin(const Number& a, const Number& b) { return select(b < a, b, a); }
+/// Returns the larger number.
 inline Number fmax(const Number& a, const Number& b) { return select(a < b, b, a); }
+/// Returns the smaller number.
 inline Number min(const Number& a, const Number& b) { return fmin(a, b); }
+/// Returns the larger number.
 inline Number max(const Number& a, const Number& b) { return fmax(a, b); }
 
 /// Returns the angle in [-pi, pi) that differs by whole turns. The turns have no derivatives.
