@@ -71,8 +71,9 @@ void compare(const char* name, const Make& make) {
       plain[static_cast<std::size_t>(i)].linearize(rows, r.data() + i * rows, J.data() + i * rows * columns);
   });
   const auto packs = times([&] { Packed::evaluateMany(packed.data(), kCount, r.data(), J.data()); });
-  const auto tape = times(
-      [&] { kind->tape.evaluate(kCount, {variables.data(), data.data()}, r.data(), other_J.data()); });
+  const auto tape = times([&] {
+    kind->tape.evaluate(kCount, {variables.data(), data.data()}, r.data(), other_J.data());
+  });
   double error = 0;
   for (std::size_t i = 0; i < J.size(); ++i) error = std::max(error, std::abs(J[i] - other_J[i]));
   const auto start = std::chrono::steady_clock::now();
@@ -81,7 +82,8 @@ void compare(const char* name, const Make& make) {
     std::apply(
         [&](const Z& z, const X&... x) {
           const auto residual = slom::detail::recordedResidual(
-              F(), recording, slom::detail::indicesWhere<!slom::detail::is_measured<slom::VarID<X>>..., false>(),
+              F(), recording,
+              slom::detail::indicesWhere<!slom::detail::is_measured<slom::VarID<X>>..., false>(),
               std::index_sequence<sizeof...(X)>(), owner.insertRV(x)..., slom::measured(z));
           recording.finish(residual);
         },
@@ -90,10 +92,11 @@ void compare(const char* name, const Make& make) {
   const double ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   const auto at = [](const std::vector<double>& all) { return all[all.size() / 2]; };
-  std::printf("%-14s plain %6.1f (%6.1f)   packs %6.1f (%6.1f)   tape %6.1f (%6.1f)   %4zu instructions, %3d registers, "
-              "%d lanes; traced in %.2f ms; largest difference %.1e\n",
-              name, at(exact), exact[0], at(packs), packs[0], at(tape), tape[0], kind->tape.code().linearization.size(),
-              kind->tape.code().registers, kind->tape.lanes(), ms, error);
+  std::printf(
+      "%-14s plain %6.1f (%6.1f)   packs %6.1f (%6.1f)   tape %6.1f (%6.1f)   %4zu instructions, %3d registers, "
+      "%d lanes; traced in %.2f ms; largest difference %.1e\n",
+      name, at(exact), exact[0], at(packs), packs[0], at(tape), tape[0],
+      kind->tape.code().linearization.size(), kind->tape.code().registers, kind->tape.lanes(), ms, error);
 }
 
 }  // namespace
@@ -107,7 +110,8 @@ int main() {
     slom::SnavelyCamera camera;
     camera.pose = pose();
     camera.intrinsics = slom::SnavelyIntrinsics<>(600, -0.1, 0.01);
-    return std::tuple(Vec2(1, 2), camera, Vec3(camera.pose.inverse() * Vec3(normal(engine), normal(engine), -5)));
+    return std::tuple(Vec2(1, 2), camera,
+                      Vec3(camera.pose.inverse() * Vec3(normal(engine), normal(engine), -5)));
   });
   compare<slom::RelativePose, SE3, SE3, SE3>("pose 6x12", [&] {
     const SE3 a = pose(), b = pose();

@@ -56,9 +56,10 @@ auto recorded(tape::Recording& recording, const VarID<T>& id) {
 }
 template <class Z>
 decltype(auto) recorded(tape::Recording& recording, const Measured<Z>& datum) {
-  static_assert(tape::detail::is_column_data<Z>,
-                "slom: a traced measurement function needs a datum that exists over other scalars: numbers, vectors, "
-                "mtk's types, compounds of them and class templates (see mtk/rebind.hpp)");
+  static_assert(
+      tape::detail::is_column_data<Z>,
+      "slom: a traced measurement function needs a datum that exists over other scalars: numbers, vectors, "
+      "mtk's types, compounds of them and class templates (see mtk/rebind.hpp)");
   return tape::detail::dataOf(recording, datum.value);
 }
 
@@ -140,9 +141,10 @@ struct TracedFunction {
                                           const Args&... args) {
     static_assert((is_var_id<Args> || ...),
                   "slom: a measurement needs at least one variable: pass the VarID that insertRV returned");
-    static_assert((int{is_measured<Args>} + ... + 0) <= 1,
-                  "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others "
-                  "without it");
+    static_assert(
+        (int{is_measured<Args>} + ... + 0) <= 1,
+        "slom: a measurement predicts one datum: mark one argument by slom::measured, and pass the others "
+        "without it");
     TracedMeasurement measurement;
     (appendVariable(args, measurement.variables), ...);
     if constexpr (std::is_empty_v<F> && (has_fixed_columns<Args> && ...)) {

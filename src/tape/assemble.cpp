@@ -41,8 +41,8 @@ Kind kindOfSum(int products, int minus, bool has_single, bool single_minus) {
 
 Kind kindOf(Operation operation) {
   switch (operation) {
-#define SLOM_TAPE_CASE(name)  \
-  case Operation::name:       \
+#define SLOM_TAPE_CASE(name) \
+  case Operation::name:      \
     return Kind::name;
     SLOM_TAPE_CASE(reciprocal)
     SLOM_TAPE_CASE(scale)
@@ -187,7 +187,8 @@ class Selection {
       const auto twin = twins.find(n.a);
       if (twin != twins.end()) {
         const bool is_sine = n.operation == Operation::sin;
-        steps_.push_back({Kind::sin_cos, is_sine ? id : twin->second, {n.a, is_sine ? twin->second : id}, n.place});
+        steps_.push_back(
+            {Kind::sin_cos, is_sine ? id : twin->second, {n.a, is_sine ? twin->second : id}, n.place});
         made_.insert(id);
         made_.insert(twin->second);
         return;
@@ -210,7 +211,8 @@ class Selection {
       std::vector<Term> own(products.begin(), products.begin() + static_cast<std::ptrdiff_t>(taken));
       products.erase(products.begin(), products.begin() + static_cast<std::ptrdiff_t>(taken));
       std::stable_partition(own.begin(), own.end(), [](const Term& term) { return !term.minus; });
-      const int minus = static_cast<int>(std::count_if(own.begin(), own.end(), [](const Term& t) { return t.minus; }));
+      const int minus =
+          static_cast<int>(std::count_if(own.begin(), own.end(), [](const Term& t) { return t.minus; }));
       Step step;
       step.place = place;
       for (const Term& term : own) step.from.insert(step.from.end(), {term.a, term.b});
@@ -316,10 +318,11 @@ class Registers {
  private:
   static std::uint16_t narrow(int i) {
     if (i >= kMostRegisters) {
-      throw mtk::Error("slom.traced-too-long",
-                       "a traced measurement function needs more than " + std::to_string(kMostRegisters) +
-                           " numbers at once; split the measurement, or pass the function without slom::traced",
-                       "slom::traced");
+      throw mtk::Error(
+          "slom.traced-too-long",
+          "a traced measurement function needs more than " + std::to_string(kMostRegisters) +
+              " numbers at once; split the measurement, or pass the function without slom::traced",
+          "slom::traced");
     }
     return static_cast<std::uint16_t>(i);
   }

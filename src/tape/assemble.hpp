@@ -1,5 +1,5 @@
-/// Translation of a recorded formula into the code of a tape: sums of products become single instructions, registers are
-/// reused when their numbers are no longer needed.
+/// Translation of a recorded formula into the code of a tape: sums of products become single instructions, registers
+/// are reused when their numbers are no longer needed.
 #pragma once
 
 #include <vector>

@@ -9,7 +9,8 @@ namespace slom::tape {
 namespace {
 
 [[noreturn]] void raiseBadTape(const std::string& fault) {
-  throw mtk::Error("slom.bad-tape", "the tape " + fault + "; write it again with the program that made it", "tape");
+  throw mtk::Error("slom.bad-tape", "the tape " + fault + "; write it again with the program that made it",
+                   "tape");
 }
 
 void checkSizes(const Code& code) {
@@ -27,7 +28,8 @@ void checkSizes(const Code& code) {
     }
   }
   const auto constants = static_cast<long>(code.constants.size());
-  good = good && isWithin(code.data) && isWithin(code.rows) && isWithin(constants) && isWithin(code.registers);
+  good =
+      good && isWithin(code.data) && isWithin(code.rows) && isWithin(constants) && isWithin(code.registers);
   if (!good) raiseBadTape("has more than " + std::to_string(most) + " numbers");
   const long entries = code.rows * columns;
   if (static_cast<long>(code.entry_register.size()) != entries ||
@@ -86,7 +88,8 @@ void checkCode(const Code& code) {
   checkInstructions(code, code.residual);
   const std::vector<bool> has_value = checkInstructions(code, code.linearization);
   for (const std::int32_t entry : code.entry_register) {
-    const bool is_good = entry == -1 || (entry >= 0 && entry < code.registers && has_value[static_cast<std::size_t>(entry)]);
+    const bool is_good =
+        entry == -1 || (entry >= 0 && entry < code.registers && has_value[static_cast<std::size_t>(entry)]);
     if (!is_good) raiseBadTape("does not compute its Jacobian");
   }
 }

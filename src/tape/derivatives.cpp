@@ -137,7 +137,8 @@ class LocalDerivatives {
       case Operation::reciprocal:
         return {{n.a, calculus_.of(g_.multiply(id, id), -1)}};
       case Operation::atan2: {
-        const Id by_y = g_.make(Operation::inverse_arc, n.b, n.a), by_x = g_.make(Operation::inverse_arc, n.a, n.b);
+        const Id by_y = g_.make(Operation::inverse_arc, n.b, n.a),
+                 by_x = g_.make(Operation::inverse_arc, n.a, n.b);
         return {{n.a, calculus_.of(by_y)}, {n.b, calculus_.of(by_x, -1)}};
       }
       case Operation::hypot: {
@@ -156,9 +157,7 @@ class LocalDerivatives {
  private:
   Id constant(double x) { return g_.constant(x); }
   Coefficient number(double x) const { return calculus_.number(x); }
-  Id oneMinusSquare(Id x) {
-    return g_.multiply(g_.subtract(constant(1), x), g_.add(constant(1), x));
-  }
+  Id oneMinusSquare(Id x) { return g_.multiply(g_.subtract(constant(1), x), g_.add(constant(1), x)); }
   Id inverseRoot(Id x) { return g_.reciprocal(g_.make(Operation::sqrt, x)); }
   static std::vector<Edge> one(Id from, const Coefficient& by) { return {{from, by}}; }
 

@@ -1,10 +1,11 @@
 /// Evaluation of a tape for many measurements.
+#include "tape/evaluate.hpp"
+
 #include <algorithm>
 #include <cstdlib>
 #include <new>
 
 #include "slom/tape/tape.hpp"
-#include "tape/evaluate.hpp"
 
 namespace slom::tape {
 

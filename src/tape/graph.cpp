@@ -239,9 +239,7 @@ Id Graph::simplified(Operation operation, Id a, Id b, Id c) {
     case Operation::scale:  // a number that is not 0 needs no guard
       return isConstant(b) ? multiply(a, b) : isConstant(a, 0) ? a : kNone;
     case Operation::abs:
-      return is(a, Operation::negate) ? make(Operation::abs, nodes_[a].a)
-             : is(a, Operation::abs)  ? a
-                                      : kNone;
+      return is(a, Operation::negate) ? make(Operation::abs, nodes_[a].a) : is(a, Operation::abs) ? a : kNone;
     case Operation::wrap:
       return is(a, Operation::wrap) ? a : kNone;
     case Operation::sin:

@@ -1,5 +1,5 @@
-/// The graph of a recorded formula. Nodes refer to earlier nodes only. Equal nodes exist once; what can be simplified is
-/// simplified when a node is made.
+/// The graph of a recorded formula. Nodes refer to earlier nodes only. Equal nodes exist once; what can be simplified
+/// is simplified when a node is made.
 #pragma once
 
 #include <cstdint>

@@ -72,8 +72,9 @@ inline Vector arcTangent(Vector y, Vector x, const double* from_y, const double*
                                  4.328810604912902668951e2, 1.650270098316988542046e2,
                                  2.485846490142306297962e1, 1.0};
   const Vector correction = t * z * polynomial(z, p) / polynomial(z, q);
-  Vector angle = select(beyond, all(0.78539816339744830962) + (t + (correction + all(3.061616997868382943e-17))),
-                        t + correction);
+  Vector angle =
+      select(beyond, all(0.78539816339744830962) + (t + (correction + all(3.061616997868382943e-17))),
+             t + correction);
   angle = select(steep, all(1.57079632679489661923) - (angle - all(6.123233995736765886e-17)), angle);
   angle = select(x < all(0.0), all(3.14159265358979323846) - (angle - all(1.2246467991473531772e-16)), angle);
   angle = select(y < all(0.0), -angle, angle);

@@ -53,7 +53,8 @@ inline void transpose(const double* const* rows, double* const* columns) {
     }
   }
   // quads[4 h + 2 k + odd]: 128-bit parts (rows 4h,4h+1 | c), (same | c + 4), (rows 4h+2,4h+3 | c), (same | c + 4)
-  const __m512i low = _mm512_setr_epi64(0, 1, 4, 5, 8, 9, 12, 13), high = _mm512_setr_epi64(2, 3, 6, 7, 10, 11, 14, 15);
+  const __m512i low = _mm512_setr_epi64(0, 1, 4, 5, 8, 9, 12, 13),
+                high = _mm512_setr_epi64(2, 3, 6, 7, 10, 11, 14, 15);
   for (int c = 0; c < 4; ++c) {
     const __m512d a = quads[2 * (c / 2) + c % 2], b = quads[4 + 2 * (c / 2) + c % 2];
     _mm512_storeu_pd(columns[c], _mm512_maskz_permutex2var_pd(0xff, a, low, b));

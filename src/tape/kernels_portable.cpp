@@ -12,9 +12,9 @@ struct Mask {
 struct Vector {
   double v[kLanesOfVector];
 };
-#define SLOM_TAPE_EACH(type, expression)                         \
-  type r;                                                        \
-  for (int i = 0; i < kLanesOfVector; ++i) r.v[i] = expression;  \
+#define SLOM_TAPE_EACH(type, expression)                        \
+  type r;                                                       \
+  for (int i = 0; i < kLanesOfVector; ++i) r.v[i] = expression; \
   return r
 inline Vector load(const double* x) { SLOM_TAPE_EACH(Vector, x[i]); }
 inline void store(double* to, Vector x) {

@@ -42,10 +42,11 @@ struct Access {
     return *state;
   }
   [[noreturn]] static void raiseElsewhere() {
-    throw mtk::Error("slom.traced-elsewhere",
-                     "a number of a traced measurement function is used outside of the call that made it; do not "
-                     "keep numbers from one call to the next",
-                     "slom::traced");
+    throw mtk::Error(
+        "slom.traced-elsewhere",
+        "a number of a traced measurement function is used outside of the call that made it; do not "
+        "keep numbers from one call to the next",
+        "slom::traced");
   }
   template <class X>
   static Id idOf(State& state, const X& x) {
@@ -142,10 +143,11 @@ void setDerivative(const Number& x, const std::vector<Term>& terms) {
 using detail::Access;
 
 void raiseBranch(const Condition& condition) {
-  throw mtk::Error("slom.traced-branch",
-                   "a traced measurement function branches on a computed number" + Access::placeOf(condition) +
-                       "; write slom.where(condition, a, b), which takes a where the condition holds and b elsewhere",
-                   "slom::traced");
+  throw mtk::Error(
+      "slom.traced-branch",
+      "a traced measurement function branches on a computed number" + Access::placeOf(condition) +
+          "; write slom.where(condition, a, b), which takes a where the condition holds and b elsewhere",
+      "slom::traced");
 }
 
 Number data(double value) {

@@ -69,7 +69,8 @@ Rotation::SO3(const Coefficients& q, const Tangent& left, const Tangent& right)
 
 Rotation::SO3(const Number& w, const Number& x, const Number& y, const Number& z) {
   const Number norm = sqrt(w * w + x * x + y * y + z * z), inverse = Number(1) / norm;
-  const Number qw = w * inverse, qx = x * inverse, qy = y * inverse, qz = z * inverse, f = Number(2) * inverse;
+  const Number qw = w * inverse, qx = x * inverse, qy = y * inverse, qz = z * inverse,
+               f = Number(2) * inverse;
   Tangent right;  // 2 vec(q^-1 dq) / |q|
   if (!norm.isConstant()) {
     for (Number& own : right) own = newTangent();
@@ -110,7 +111,7 @@ Rotation::Vector Rotation::log(const SO3& R) {
   const Number sign = select(R.w() < Number(0), Number(-1), Number(1)), w = sign * R.w();
   const Number square = R.x() * R.x() + R.y() * R.y() + R.z() * R.z();
   const Number factor = detail::branch(
-      square < Number(4 * detail::epsilon<double>)*w * w,
+      square < Number(4 * detail::epsilon<double>) * w * w,
       [&] { return (sign * Number(2) / w) * (Number(1) - square / (Number(3) * w * w)); },
       [&] {
         const Number norm = sqrt(square);

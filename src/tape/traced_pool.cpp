@@ -61,7 +61,8 @@ class TracedPool final : private OwnTracedType, public MeasurementPool {
     const std::size_t last = at(size()) - 1;
     std::copy_n(variables_.data() + last * arity_, arity_, variables_.data() + at(i) * arity_);
     variables_.erase(variables_.end() - static_cast<std::ptrdiff_t>(arity_), variables_.end());
-    std::copy_n(data_.data() + last * columns_of_data_, columns_of_data_, data_.data() + at(i) * columns_of_data_);
+    std::copy_n(data_.data() + last * columns_of_data_, columns_of_data_,
+                data_.data() + at(i) * columns_of_data_);
     data_.resize(last * columns_of_data_);
   }
   VariableArgument& argument(int i, int k) override { return variables_[at(i) * arity_ + at(k)]; }
@@ -123,11 +124,12 @@ MeasurementType typeOfKind(const TracedKind& kind) {
 
 }  // namespace
 
-MeasID<TracedMeasurement> insertTraced(Problem& problem, TracedMeasurement& measurement, const NoiseView& noise,
-                                       std::string_view label, const Loss& loss) {
+MeasID<TracedMeasurement> insertTraced(Problem& problem, TracedMeasurement& measurement,
+                                       const NoiseView& noise, std::string_view label, const Loss& loss) {
   std::vector<VariableArgument*> arguments;
   for (VariableView& variable : measurement.variables) arguments.push_back(&variable);
-  return problem.insertOfType(typeOfKind(*measurement.kind), measurement, arguments.data(), noise, label, loss);
+  return problem.insertOfType(typeOfKind(*measurement.kind), measurement, arguments.data(), noise, label,
+                              loss);
 }
 
 }  // namespace slom

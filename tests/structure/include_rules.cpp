@@ -15,8 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // Levels: mtk, then the steps in the order of the data flow, then the facade, then rooms that stand on it.
-constexpr std::array<const char*, 10> kLevels{"mtk",       "base",  "model",  "measurements", "problem",
-                                              "linearize", "solve", "online", "optimize",     "analyze"};
+constexpr std::array<const char*, 11> kLevels{"mtk",     "base",     "model",     "measurements",
+                                              "problem", "tape",     "linearize", "solve",
+                                              "online",  "optimize", "analyze"};
 constexpr int kMtk = 0;
 constexpr int kMeasurements = 3;
 constexpr int kFacade = static_cast<int>(kLevels.size());

@@ -35,7 +35,8 @@ inline Evaluated evaluated(const tape::Tape& tape, int count, const tape::Tape::
 }
 
 /// Compares numbers, of which both may be NaN.
-inline void expectClose(const std::vector<double>& got, const std::vector<double>& expected, double tolerance) {
+inline void expectClose(const std::vector<double>& got, const std::vector<double>& expected,
+                        double tolerance) {
   ASSERT_EQ(got.size(), expected.size());
   for (std::size_t i = 0; i < got.size(); ++i) {
     if (std::isnan(expected[i]) && std::isnan(got[i])) continue;
@@ -73,10 +74,12 @@ void expectTraced(const F&, const std::vector<std::tuple<Z, X...>>& samples) {
            ...);
           One one(OneByOne<F>(), id..., measured(z));
           const int rows = own->tape.rows(), columns = own->tape.columns();
-          std::vector<double> own_r(static_cast<std::size_t>(rows)), own_J(static_cast<std::size_t>(rows * columns));
+          std::vector<double> own_r(static_cast<std::size_t>(rows)),
+              own_J(static_cast<std::size_t>(rows * columns));
           ASSERT_EQ(one.linearize(rows, own_r.data(), own_J.data()), rows);
           for (const double x : own_r) size = std::isfinite(x) ? std::max(size, std::abs(x)) : size;
-          for (const double x : own_J) size_of_J = std::isfinite(x) ? std::max(size_of_J, std::abs(x)) : size_of_J;
+          for (const double x : own_J)
+            size_of_J = std::isfinite(x) ? std::max(size_of_J, std::abs(x)) : size_of_J;
           r.insert(r.end(), own_r.begin(), own_r.end());
           J.insert(J.end(), own_J.begin(), own_J.end());
           std::vector<double> sizes;

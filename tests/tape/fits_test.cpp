@@ -33,7 +33,8 @@ TEST(TracedFits, Circle) {
     const auto radius = est.insertRV(1.0, "radius");
     Random random(1);
     for (int i = 0; i < 100; ++i) {
-      const Vec2 p(2 + 3 * std::cos(i) + random.number(-0.1, 0.1), 1 + 3 * std::sin(i) + random.number(-0.1, 0.1));
+      const Vec2 p(2 + 3 * std::cos(i) + random.number(-0.1, 0.1),
+                   1 + 3 * std::sin(i) + random.number(-0.1, 0.1));
       const auto f = [](const auto& c, const auto& r, const auto& q) { return (q - c).norm() - r; };
       if (i % 3 == 0) {
         est.insertMeasurement(wrap(f), centre, radius, p, StandardDeviation(0.1), Huber(1.5));

@@ -9,7 +9,8 @@ constexpr int kSamples = 70;  // more than one batch
 /// Rotation number i: none, tiny, random, close to half a turn.
 template <class R>
 R hardRotation(int i, Random& random) {
-  const double angles[] = {0, 1e-300, 1e-160, 1e-12, 1e-8, 1e-7, 0.01, 2.0, kPi - 1e-4, kPi - 1e-9, -kPi + 1e-9};
+  const double angles[] = {0,    1e-300, 1e-160,     1e-12,      1e-8,       1e-7,
+                           0.01, 2.0,    kPi - 1e-4, kPi - 1e-9, -kPi + 1e-9};
   const double angle = i < 11 ? angles[i] : random.number(-kPi, kPi);
   if constexpr (R::DIM == 2) {
     return R(angle);
@@ -76,7 +77,8 @@ TEST(TracedKinds, Priors) {
     const S2 v = i == 6 ? S2(0, 0, 1) : S2(random.axis());  // products with its axes have no rounding errors
     const double steps[] = {0, 1e-300, 1e-12, 1e-7, 3.0};
     const double step[2] = {i < 5 ? steps[i] : random.number(), i < 5 ? 0 : random.number()};
-    directions.push_back({v, i == 6 ? S2(Vec3(-v.vector())) : mtk::moved(v, mtk::vectview<const double, 2>(step))});
+    directions.push_back(
+        {v, i == 6 ? S2(Vec3(-v.vector())) : mtk::moved(v, mtk::vectview<const double, 2>(step))});
     vectors.push_back({random.vector<Vec3>(), random.vector<Vec3>()});
     numbers.push_back({random.number(), random.number()});
     scalars.push_back({random.number(), random.number()});
@@ -155,7 +157,8 @@ TEST(TracedKinds, Gravity) {
     const S2 up(random.axis());
     directions.push_back({i == 2 ? pose.orient.inverse() * up : S2(random.axis()), pose.orient, up});
     readings.push_back({random.vector<Vec3>(), pose, up, 9.81});
-    mounted.push_back({random.vector<Vec3>(), pose.orient, random.rotation<SO3>(), up, 9.81, random.vector<Vec3>()});
+    mounted.push_back(
+        {random.vector<Vec3>(), pose.orient, random.rotation<SO3>(), up, 9.81, random.vector<Vec3>()});
   }
   expectTraced(GravityDirection(), directions);
   expectTraced(Accelerometer(), readings);

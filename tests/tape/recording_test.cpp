@@ -49,7 +49,8 @@ void expectAsDuals(const char* name, const F& f) {
       const std::vector<double> got = atPoint(f, x, y), expected = byDuals(f, x, y);
       for (std::size_t i = 0; i < 3; ++i) {
         if (std::isnan(expected[i])) {
-          EXPECT_TRUE(std::isnan(got[i])) << name << " at " << x << ", " << y << ": entry " << i << " is " << got[i];
+          EXPECT_TRUE(std::isnan(got[i]))
+              << name << " at " << x << ", " << y << ": entry " << i << " is " << got[i];
         } else if (std::isinf(expected[i])) {
           EXPECT_EQ(got[i], expected[i]) << name << " at " << x << ", " << y;
         } else {
@@ -62,8 +63,13 @@ void expectAsDuals(const char* name, const F& f) {
 }
 
 TEST(Recording, FunctionsAreThoseOfDualNumbers) {
-#define EXPECT_FUNCTION(expression) \
-  expectAsDuals(#expression, [](const auto& x, const auto& y) { (void)y; using std::sqrt; using S = std::decay_t<decltype(x)>; return S(expression); })
+#define EXPECT_FUNCTION(expression)                             \
+  expectAsDuals(#expression, [](const auto& x, const auto& y) { \
+    (void)y;                                                    \
+    using std::sqrt;                                            \
+    using S = std::decay_t<decltype(x)>;                        \
+    return S(expression);                                       \
+  })
   EXPECT_FUNCTION(x + y);
   EXPECT_FUNCTION(x * y - 2.0 * x);
   EXPECT_FUNCTION(sqrt(x));
@@ -113,7 +119,9 @@ TEST(Recording, TheSideOfASelectionThatIsNotTakenGivesExactlyZero) {
 TEST(Recording, FoldsAndSharesWhatItCan) {
   Recorded recorded(2);
   const Number &x = recorded.x[0], &y = recorded.x[1];
-  const auto instructions = [&](const Number& z) { return recorded.recording.finish({z}).code().residual.size(); };
+  const auto instructions = [&](const Number& z) {
+    return recorded.recording.finish({z}).code().residual.size();
+  };
   EXPECT_EQ(instructions(x * 0.0 + 1.0 * y + 0.0), 1u);  // a copy
   EXPECT_EQ(instructions(x - x + sin(Number(1.0)) * 2.0), 1u);
   EXPECT_TRUE((x - x).isConstant());
@@ -198,9 +206,10 @@ TEST(Recording, ABranchIsRefusedWithItsPlace) {
   Recorded recorded(1);
   tape::Recording::at("fit.py", 12);
   const tape::Condition condition = recorded.x[0] > 0.0;
-  EXPECT_EQ(errorOf([&] { tape::raiseBranch(condition); }),
-            "[slom.traced-branch] a traced measurement function branches on a computed number at fit.py:12; write "
-            "slom.where(condition, a, b), which takes a where the condition holds and b elsewhere");
+  EXPECT_EQ(
+      errorOf([&] { tape::raiseBranch(condition); }),
+      "[slom.traced-branch] a traced measurement function branches on a computed number at fit.py:12; write "
+      "slom.where(condition, a, b), which takes a where the condition holds and b elsewhere");
 }
 
 // ---- tapes from outside ------------------------------------------------------------------------------------
@@ -210,7 +219,8 @@ tape::Code someCode() {
   const auto& x = recorded.x;
   const Number z = tape::data(2);
   return recorded.recording
-      .finish({sin(x[0]) * x[1] + cos(x[0]) - z, select(x[2] > x[3], sqrt(x[2]), atan2(x[3], z)), exp(x[3] * 0.5)})
+      .finish({sin(x[0]) * x[1] + cos(x[0]) - z, select(x[2] > x[3], sqrt(x[2]), atan2(x[3], z)),
+               exp(x[3] * 0.5)})
       .code();
 }
 TEST(HostileTape, FaultsAreNamed) {
@@ -239,7 +249,9 @@ TEST(HostileTape, FaultsAreNamed) {
 }
 TEST(HostileTape, SpoiltBytesAreRefusedOrHarmless) {
   std::mt19937 engine(std::random_device{}());
-  const auto number = [&](std::size_t below) { return std::uniform_int_distribution<std::size_t>(0, below - 1)(engine); };
+  const auto number = [&](std::size_t below) {
+    return std::uniform_int_distribution<std::size_t>(0, below - 1)(engine);
+  };
   int harmless = 0;
   for (int round = 0; round < 20000; ++round) {
     tape::Code code = someCode();

@@ -52,9 +52,10 @@ int countNumbers(const P& part) {
 }
 template <class P>
 Part partOf(const P& part) {
-  static_assert(is_known_part<P>,
-                "slom: a traced measurement function needs variables made of numbers, vectors, SO2, SO3 and S2: this "
-                "variable has a part with its own boxplus; insert the function without slom::traced");
+  static_assert(
+      is_known_part<P>,
+      "slom: a traced measurement function needs variables made of numbers, vectors, SO2, SO3 and S2: this "
+      "variable has a part with its own boxplus; insert the function without slom::traced");
   if constexpr (std::derived_from<P, mtk::SO3<>>) {
     return {Part::Kind::rotation, 0};
   } else if constexpr (std::derived_from<P, mtk::S2<>>) {
@@ -91,8 +92,8 @@ inline constexpr bool is_traceable = !std::is_void_v<mtk::rebind_t<T, Number>>;
 template <class T>
 VariableType typeOf(const T& x) {
   VariableType type{slom::typeName<T>(), {}};
-  mtk::detail::forEachBasicPart(x, x, 0,
-                                [&](const auto& part, const auto&, int) { type.parts.push_back(partOf(part)); });
+  mtk::detail::forEachBasicPart(
+      x, x, 0, [&](const auto& part, const auto&, int) { type.parts.push_back(partOf(part)); });
   return type;
 }
 template <class T>
@@ -111,12 +112,14 @@ Layout layoutOf(const T& x) {
 /// Adds a variable of this value's type to the recording and returns it.
 template <class T>
 auto variableOf(Recording& recording, const T& x) {
-  static_assert(is_traceable<T>,
-                "slom: a traced measurement function needs variables that exist over other scalars: numbers, vectors, "
-                "mtk's types, compounds of them and class templates (see mtk/rebind.hpp)");
-  static_assert(mtk::DOF_v<T> != mtk::Dynamic,
-                "slom: a traced measurement function needs variables of sizes known at compile time; insert the "
-                "function without slom::traced");
+  static_assert(
+      is_traceable<T>,
+      "slom: a traced measurement function needs variables that exist over other scalars: numbers, vectors, "
+      "mtk's types, compounds of them and class templates (see mtk/rebind.hpp)");
+  static_assert(
+      mtk::DOF_v<T> != mtk::Dynamic,
+      "slom: a traced measurement function needs variables of sizes known at compile time; insert the "
+      "function without slom::traced");
   const Recording::Input input = recording.variable(typeOf(x));
   mtk::rebind_t<T, Number> y{};
   std::size_t next = 0;

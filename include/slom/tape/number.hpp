@@ -102,8 +102,12 @@ class Number {
   friend Number operator+(const Number& a) { return a; }
   friend Number operator-(const Number& a) { return detail::apply(Operation::negate, a); }
   friend Number operator+(const Number& a, const Number& b) { return detail::apply(Operation::add, a, b); }
-  friend Number operator-(const Number& a, const Number& b) { return detail::apply(Operation::subtract, a, b); }
-  friend Number operator*(const Number& a, const Number& b) { return detail::apply(Operation::multiply, a, b); }
+  friend Number operator-(const Number& a, const Number& b) {
+    return detail::apply(Operation::subtract, a, b);
+  }
+  friend Number operator*(const Number& a, const Number& b) {
+    return detail::apply(Operation::multiply, a, b);
+  }
   friend Number operator/(const Number& a, const Number& b) { return detail::divide(a, b); }
   friend Condition operator<(const Number& a, const Number& b);
   friend Condition operator<=(const Number& a, const Number& b);
@@ -178,7 +182,7 @@ inline Number select(const Condition& condition, const Number& a, const Number& 
 /// Throws [slom.traced-branch], which names the place. For languages that convert to bool when a program runs.
 [[noreturn]] void raiseBranch(const Condition& condition);
 
-#define SLOM_TAPE_FUNCTION(name)      \
+#define SLOM_TAPE_FUNCTION(name) \
   inline Number name(const Number& x) { return detail::apply(Operation::name, x); }
 SLOM_TAPE_FUNCTION(abs)
 SLOM_TAPE_FUNCTION(floor)
@@ -202,17 +206,29 @@ SLOM_TAPE_FUNCTION(log1p)
 SLOM_TAPE_FUNCTION(cbrt)
 SLOM_TAPE_FUNCTION(erf)
 #undef SLOM_TAPE_FUNCTION
+/// Returns |x|.
 inline Number fabs(const Number& x) { return abs(x); }
+/// Returns x^2.
 inline Number abs2(const Number& x) { return x * x; }
+/// Returns the least integer that is not below x.
 inline Number ceil(const Number& x) { return -floor(-x); }
+/// Returns the logarithm to the base 2.
 inline Number log2(const Number& x) { return log(x) * 1.4426950408889634073599246810018921; }
+/// Returns the logarithm to the base 10.
 inline Number log10(const Number& x) { return log(x) * 0.4342944819032518276511289189166051; }
+/// Returns the angle of (x, y) in [-pi, pi].
 inline Number atan2(const Number& y, const Number& x) { return detail::apply(Operation::atan2, y, x); }
+/// Returns sqrt(x^2 + y^2).
 inline Number hypot(const Number& x, const Number& y) { return detail::apply(Operation::hypot, x, y); }
+/// Returns x to the power of y.
 inline Number pow(const Number& x, const Number& y) { return detail::apply(Operation::pow, x, y); }
+/// Returns the smaller number.
 inline Number fmin(const Number& a, const Number& b) { return select(b < a, b, a); }
+/// Returns the larger number.
 inline Number fmax(const Number& a, const Number& b) { return select(a < b, b, a); }
+/// Returns the smaller number.
 inline Number min(const Number& a, const Number& b) { return fmin(a, b); }
+/// Returns the larger number.
 inline Number max(const Number& a, const Number& b) { return fmax(a, b); }
 
 /// Returns the angle in [-pi, pi) that differs by whole turns. The turns have no derivatives.

@@ -1,7 +1,7 @@
 /// Rotations of recorded numbers.
 ///   state    a unit quaternion, its matrix, and perturbations l and r of 3 unknowns each: exp(l) R exp(r)
-/// A product, logarithm or rotated point states its derivatives by these perturbations. The chain rule then does not pass
-/// through the coefficients of quaternions. As |q| = 1 holds, products are not normalised again.
+/// A product, logarithm or rotated point states its derivatives by these perturbations. The chain rule then does not
+/// pass through the coefficients of quaternions. As |q| = 1 holds, products are not normalised again.
 ///   source   Sola, Deray, Atchuthan, "A micro Lie theory for state estimation in robotics", 2018, appendix B
 #pragma once
 
@@ -90,9 +90,7 @@ class SO3<slom::tape::Number> {
  private:
   SO3(const Coefficients& q, const Tangent& left, const Tangent& right);
   Vector rotated(const Vector& p) const;
-  static bool isNone(const Tangent& t) {
-    return t[0].isConstant() && t[1].isConstant() && t[2].isConstant();
-  }
+  static bool isNone(const Tangent& t) { return t[0].isConstant() && t[1].isConstant() && t[2].isConstant(); }
 
   Coefficients q_;
   Matrix R_;

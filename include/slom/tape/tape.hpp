@@ -41,7 +41,9 @@ struct VariableType {
   std::string name;
   std::vector<Part> parts;
 
+  /// Returns the number of coordinates of all parts.
   int coordinates() const;
+  /// Returns the degrees of freedom of all parts.
   int dof() const;
   bool operator==(const VariableType&) const = default;
 };
@@ -69,7 +71,9 @@ struct Code {
   std::vector<Place> places;
   std::vector<std::uint32_t> place_of;  ///< place of each instruction of `linearization`, from 1; 0: unknown
 
+  /// Returns the number of coordinates of all variables.
   int coordinates() const;
+  /// Returns the degrees of freedom of all variables.
   int columns() const;
 };
 
@@ -82,10 +86,15 @@ class Tape {
   /// writes one that is no result, or if a size is out of bounds.
   explicit Tape(Code code);
 
+  /// Returns the content.
   const Code& code() const { return code_; }
+  /// Returns the length of the residual.
   int rows() const { return code_.rows; }
+  /// Returns the degrees of freedom of all variables.
   int columns() const { return columns_; }
+  /// Returns the number of coordinates of all variables.
   int coordinates() const { return coordinates_; }
+  /// Returns the number of columns of data.
   int data() const { return code_.data; }
   /// Returns whether an entry of the Jacobian has the same value for all inputs.
   bool isConstant(int row, int column) const { return registerOf(row, column) < 0; }
@@ -114,9 +123,10 @@ class Tape {
   void gather(const Source& source, int first, int count, double* arena) const;
 
   Code code_;
-  std::vector<int> sizes_;       ///< number of coordinates of each variable
-  std::vector<int> entry_row_;   ///< row of the arena that holds each entry of the Jacobian
-  std::vector<double> entries_;  ///< different values of constant entries, in rows of the arena after the registers
+  std::vector<int> sizes_;      ///< number of coordinates of each variable
+  std::vector<int> entry_row_;  ///< row of the arena that holds each entry of the Jacobian
+  std::vector<double>
+      entries_;  ///< different values of constant entries, in rows of the arena after the registers
   int columns_ = 0, coordinates_ = 0, lanes_ = 0;
   std::uint64_t hash_ = 0;
 };
