@@ -89,8 +89,9 @@ Finding findingOf(const Gauge& gauge, const ConnectedPart& part, const Problem& 
   for (const auto& [noun, members] : members_of) {
     const int count = static_cast<int>(members.names.size());
     if (count == 0) continue;
-    who.push_back((count == members.of ? "all " : "") + counted(count, noun) + " (" +
-                  abridged(members.names) + ")");
+    std::string which = counted(count, noun);
+    if (count == members.of) which = count == 2 ? "both" + which.substr(1) : "all " + which;
+    who.push_back(which + " (" + abridged(members.names) + ")");
   }
   std::string text = listed(who) + " can move together (" + gauge.text + ") without changing any residual: ";
   text[0] = static_cast<char>(std::toupper(text[0]));

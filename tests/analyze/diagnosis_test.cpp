@@ -162,7 +162,7 @@ TEST(Diagnosis, ScaleOfMonocularBundleAdjustment) {
   EXPECT_EQ(
       faults(slom::diagnose(est)),
       Texts{
-          "All 10 points (point 0, point 1, ..., point 9) and all 2 poses (camera 1, camera 2) can move together (scale) "
+          "All 10 points (point 0, point 1, ..., point 9) and both poses (camera 1, camera 2) can move together (scale) "
           "without changing any residual: measure a length or fix one"});
 }
 

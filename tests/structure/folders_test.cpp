@@ -26,6 +26,7 @@ const std::map<std::string, std::string> others{
     {"listings", "the listings of the paper"},
     {"members", "names of members of plain structs, which g++ alone knows"},
     {"nist", "certified values for the whole fit"},
+    {"python", "the Python package"},
     {"report", "the report of slom calibrate, in a browser"},
     {"structure", "the sources themselves"},
     {"support", "what tests share"},

@@ -1,0 +1,13 @@
+"""Sparse least squares on manifolds.
+
+    import numpy as np, slom
+    est = slom.Estimator()
+    centre, radius = est.variable([0, 0], "centre"), est.variable(1.0, "radius")
+    est.measure(lambda c, r, p: np.linalg.norm(p - c) - r, centre, radius, points, sigma=0.1)
+    print(est.optimize(), centre.value, centre.std)
+"""
+
+from ._slom import Condition, Error, Estimator, Number, Summary, Variable
+from ._where import where
+
+__all__ = ["Condition", "Error", "Estimator", "Number", "Summary", "Variable", "where"]
