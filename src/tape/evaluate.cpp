@@ -52,13 +52,13 @@ void Tape::gather(const Source& source, int first, int count, double* arena) con
   for (int v = 0; v < arity; ++v) {
     for (int k = 0; k < lanes_; ++k)
       from[k] = source.variables[static_cast<std::ptrdiff_t>(first + std::min(k, count - 1)) * arity + v];
-    kernels.gather(from, 1, sizes_[static_cast<std::size_t>(v)], lanes_, to);
+    kernels.gather(from, sizes_[static_cast<std::size_t>(v)], lanes_, to);
     to += static_cast<std::ptrdiff_t>(sizes_[static_cast<std::size_t>(v)]) * lanes_;
   }
   if (code_.data == 0) return;
   for (int k = 0; k < lanes_; ++k)
     from[k] = source.data + static_cast<std::ptrdiff_t>(first + std::min(k, count - 1)) * code_.data;
-  kernels.gather(from, 1, code_.data, lanes_, to);
+  kernels.gather(from, code_.data, lanes_, to);
 }
 
 void Tape::evaluate(int count, const Source& source, double* r, double* J) const {

@@ -16,9 +16,9 @@ struct Kernels {
   void (*run_many)(const Instruction* code, std::size_t count, double* arena);
   /// Executes `count` instructions on registers of 32 numbers.
   void (*run_few)(const Instruction* code, std::size_t count, double* arena);
-  /// Sets to[i * lanes + k] = from[k * stride][i] for i < size and k < lanes, a multiple of 8: numbers of measurements
+  /// Sets to[i * lanes + k] = from[k][i] for i < size and k < lanes, a multiple of 8: numbers of measurements
   /// to registers.
-  void (*gather)(const double* const* from, int stride, int size, int lanes, double* to);
+  void (*gather)(const double* const* from, int size, int lanes, double* to);
   /// Sets to[k * size + i] = from[i][k] for i < size and k < lanes, a multiple of 8: registers to measurements.
   void (*scatter)(const double* const* from, int size, int lanes, double* to);
 };

@@ -253,38 +253,49 @@ void run(const Instruction* code, std::size_t count, double* arena) {
   for (const Instruction* const end = code + count; code != end; ++code) table[code->kind](*code, arena);
 }
 
-void gather(const double* const* from, int stride, int size, int lanes, double* to) {
+/// Moves a block: `used` numbers of each row.
+inline void gatherBlock(const double* const* from, int offset, int used, int lanes, double* to) {
+  Block block;
+  for (int l = 0; l < kLanesOfVector; ++l) block.rows[l] = loadFirst(from[l] + offset, used);
+  block = transposed(block);
+  for (int l = 0; l < used; ++l) storeFirst(to + l * lanes, block.rows[l], kLanesOfVector);
+}
+void gather(const double* const* from, int size, int lanes, double* to) {
   for (int k = 0; k < lanes; k += kLanesOfVector) {
-    const double* rows[kLanesOfVector];
-    for (int l = 0; l < kLanesOfVector; ++l) rows[l] = from[(k + l) * stride];
     int i = 0;
-    for (; i + kLanesOfVector <= size; i += kLanesOfVector) {
-      double* columns[kLanesOfVector];
-      for (int l = 0; l < kLanesOfVector; ++l) columns[l] = to + (i + l) * lanes + k;
-      transpose(rows, columns);
-      for (int l = 0; l < kLanesOfVector; ++l) rows[l] += kLanesOfVector;
-    }
-    for (int j = 0; i < size; ++i, ++j) {
-      for (int l = 0; l < kLanesOfVector; ++l) to[i * lanes + k + l] = rows[l][j];
-    }
+    for (; i + kLanesOfVector <= size; i += kLanesOfVector)
+      gatherBlock(from + k, i, kLanesOfVector, lanes, to + i * lanes + k);
+    if (i < size) gatherBlock(from + k, i, size - i, lanes, to + i * lanes + k);
   }
 }
 
-void scatter(const double* const* from, int size, int lanes, double* to) {
+/// Moves a block: `used` rows.
+inline void scatterBlock(const double* const* from, int offset, int used, int size, double* to) {
+  Block block;
+  for (int l = 0; l < kLanesOfVector; ++l)
+    block.rows[l] = loadFirst(from[l < used ? l : 0] + offset, kLanesOfVector);
+  block = transposed(block);
+  for (int l = 0; l < kLanesOfVector; ++l)
+    storeFirst(to + static_cast<std::ptrdiff_t>(l) * size, block.rows[l], used);
+}
+/// Moves kLanesOfVector measurements, from number `offset` of the rows.
+inline void scatterMeasurements(const double* const* from, int offset, int size, double* to) {
   int i = 0;
-  for (; i + kLanesOfVector <= size; i += kLanesOfVector) {
-    for (int k = 0; k < lanes; k += kLanesOfVector) {
-      const double* rows[kLanesOfVector];
-      double* columns[kLanesOfVector];
-      for (int l = 0; l < kLanesOfVector; ++l) {
-        rows[l] = from[i + l] + k;
-        columns[l] = to + static_cast<std::ptrdiff_t>(k + l) * size + i;
-      }
-      transpose(rows, columns);
-    }
-  }
-  for (; i < size; ++i) {
-    for (int k = 0; k < lanes; ++k) to[static_cast<std::ptrdiff_t>(k) * size + i] = from[i][k];
+  for (; i + kLanesOfVector <= size; i += kLanesOfVector)
+    scatterBlock(from + i, offset, kLanesOfVector, size, to + i);
+  if (i < size) scatterBlock(from + i, offset, size - i, size, to + i);
+}
+void scatter(const double* const* from, int size, int lanes, double* to) {
+  // Stores that cross cache lines take twice the time. So results for such a place are put together elsewhere and copied,
+  // which the C library does by whole lines.
+  constexpr int most = 128;
+  alignas(64) double together[kLanesOfVector * most];
+  const bool crosses = reinterpret_cast<unsigned long long>(to) % 64 != 0 && size >= 16 && size <= most;
+  for (int k = 0; k < lanes; k += kLanesOfVector) {
+    scatterMeasurements(from, k, size, crosses ? together : to);
+    const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(kLanesOfVector) * size;
+    if (crosses) __builtin_memcpy(to, together, static_cast<std::size_t>(count) * sizeof(double));
+    to += count;
   }
 }
 

@@ -37,15 +37,30 @@ inline bool allOf(Mask a) { return _mm256_movemask_pd(a.v) == 15; }
 inline Vector select(Mask m, Vector a, Vector b) { return {_mm256_blendv_pd(b.v, a.v, m.v)}; }
 inline Vector ones(Mask m) { return {_mm256_and_pd(m.v, _mm256_set1_pd(1.0))}; }
 inline Mask isSet(Vector a) { return {_mm256_cmp_pd(a.v, _mm256_setzero_pd(), _CMP_NEQ_UQ)}; }
-inline void transpose(const double* const* rows, double* const* columns) {
-  const __m256d a = _mm256_loadu_pd(rows[0]), b = _mm256_loadu_pd(rows[1]), c = _mm256_loadu_pd(rows[2]),
-                d = _mm256_loadu_pd(rows[3]);
-  const __m256d ab0 = _mm256_unpacklo_pd(a, b), ab1 = _mm256_unpackhi_pd(a, b);
-  const __m256d cd0 = _mm256_unpacklo_pd(c, d), cd1 = _mm256_unpackhi_pd(c, d);
-  _mm256_storeu_pd(columns[0], _mm256_permute2f128_pd(ab0, cd0, 0x20));
-  _mm256_storeu_pd(columns[1], _mm256_permute2f128_pd(ab1, cd1, 0x20));
-  _mm256_storeu_pd(columns[2], _mm256_permute2f128_pd(ab0, cd0, 0x31));
-  _mm256_storeu_pd(columns[3], _mm256_permute2f128_pd(ab1, cd1, 0x31));
+struct Block {
+  __m256d rows[4];
+};
+inline __m256i firstOf(int n) {
+  return _mm256_cmpgt_epi64(_mm256_set1_epi64x(n), _mm256_setr_epi64x(0, 1, 2, 3));
+}
+/// Returns the first n numbers from x, then zeros.
+inline __m256d loadFirst(const double* x, int n) {
+  return n == 4 ? _mm256_loadu_pd(x) : _mm256_maskload_pd(x, firstOf(n));
+}
+inline void storeFirst(double* to, __m256d x, int n) {
+  if (n == 4) {
+    _mm256_storeu_pd(to, x);
+  } else {
+    _mm256_maskstore_pd(to, firstOf(n), x);
+  }
+}
+inline Block transposed(const Block& x) {
+  const __m256d ab0 = _mm256_unpacklo_pd(x.rows[0], x.rows[1]),
+                ab1 = _mm256_unpackhi_pd(x.rows[0], x.rows[1]);
+  const __m256d cd0 = _mm256_unpacklo_pd(x.rows[2], x.rows[3]),
+                cd1 = _mm256_unpackhi_pd(x.rows[2], x.rows[3]);
+  return {{_mm256_permute2f128_pd(ab0, cd0, 0x20), _mm256_permute2f128_pd(ab1, cd1, 0x20),
+           _mm256_permute2f128_pd(ab0, cd0, 0x31), _mm256_permute2f128_pd(ab1, cd1, 0x31)}};
 }
 
 }  // namespace

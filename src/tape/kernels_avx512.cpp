@@ -38,12 +38,22 @@ inline bool allOf(Mask a) { return a.v == 0xff; }
 inline Vector select(Mask m, Vector a, Vector b) { return {_mm512_mask_blend_pd(m.v, b.v, a.v)}; }
 inline Vector ones(Mask m) { return {_mm512_maskz_mov_pd(m.v, _mm512_set1_pd(1.0))}; }
 inline Mask isSet(Vector a) { return mask(_mm512_cmp_pd_mask(a.v, _mm512_setzero_pd(), _CMP_NEQ_UQ)); }
-inline void transpose(const double* const* rows, double* const* columns) {
+struct Block {
+  __m512d rows[8];
+};
+/// Returns the first n numbers from x, then zeros.
+inline __m512d loadFirst(const double* x, int n) {
+  return _mm512_maskz_loadu_pd(static_cast<__mmask8>((1 << n) - 1), x);
+}
+inline void storeFirst(double* to, __m512d x, int n) {
+  _mm512_mask_storeu_pd(to, static_cast<__mmask8>((1 << n) - 1), x);
+}
+inline Block transposed(const Block& x) {
   __m512d pairs[8], quads[8];
   for (int i = 0; i < 8; i += 2) {
-    const __m512d a = _mm512_loadu_pd(rows[i]), b = _mm512_loadu_pd(rows[i + 1]);
-    pairs[i] = _mm512_maskz_unpacklo_pd(0xff, a, b);      // columns 0, 2, 4, 6 of rows i, i + 1
-    pairs[i + 1] = _mm512_maskz_unpackhi_pd(0xff, a, b);  // columns 1, 3, 5, 7
+    pairs[i] =
+        _mm512_maskz_unpacklo_pd(0xff, x.rows[i], x.rows[i + 1]);  // columns 0, 2, 4, 6 of rows i, i + 1
+    pairs[i + 1] = _mm512_maskz_unpackhi_pd(0xff, x.rows[i], x.rows[i + 1]);  // columns 1, 3, 5, 7
   }
   for (int half = 0; half < 2; ++half) {  // rows 4 half ... 4 half + 3
     for (int odd = 0; odd < 2; ++odd) {
@@ -52,14 +62,15 @@ inline void transpose(const double* const* rows, double* const* columns) {
       quads[4 * half + 2 + odd] = _mm512_maskz_shuffle_f64x2(0xff, a, b, 0xdd);  // columns odd + 2, odd + 6
     }
   }
-  // quads[4 h + 2 k + odd]: 128-bit parts (rows 4h,4h+1 | c), (same | c + 4), (rows 4h+2,4h+3 | c), (same | c + 4)
   const __m512i low = _mm512_setr_epi64(0, 1, 4, 5, 8, 9, 12, 13),
                 high = _mm512_setr_epi64(2, 3, 6, 7, 10, 11, 14, 15);
+  Block result;
   for (int c = 0; c < 4; ++c) {
     const __m512d a = quads[2 * (c / 2) + c % 2], b = quads[4 + 2 * (c / 2) + c % 2];
-    _mm512_storeu_pd(columns[c], _mm512_maskz_permutex2var_pd(0xff, a, low, b));
-    _mm512_storeu_pd(columns[c + 4], _mm512_maskz_permutex2var_pd(0xff, a, high, b));
+    result.rows[c] = _mm512_maskz_permutex2var_pd(0xff, a, low, b);
+    result.rows[c + 4] = _mm512_maskz_permutex2var_pd(0xff, a, high, b);
   }
+  return result;
 }
 
 }  // namespace

@@ -42,10 +42,24 @@ inline Vector select(Mask m, Vector a, Vector b) { SLOM_TAPE_EACH(Vector, m.v[i]
 inline Vector ones(Mask m) { SLOM_TAPE_EACH(Vector, m.v[i] ? 1 : 0); }
 inline Mask isSet(Vector a) { SLOM_TAPE_EACH(Mask, a.v[i] != 0); }
 #undef SLOM_TAPE_EACH
-inline void transpose(const double* const* rows, double* const* columns) {
+struct Block {
+  Vector rows[kLanesOfVector];
+};
+/// Returns the first n numbers from x, then zeros.
+inline Vector loadFirst(const double* x, int n) {
+  Vector r = all(0);
+  for (int i = 0; i < n; ++i) r.v[i] = x[i];
+  return r;
+}
+inline void storeFirst(double* to, Vector x, int n) {
+  for (int i = 0; i < n; ++i) to[i] = x.v[i];
+}
+inline Block transposed(const Block& x) {
+  Block r;
   for (int i = 0; i < kLanesOfVector; ++i) {
-    for (int k = 0; k < kLanesOfVector; ++k) columns[k][i] = rows[i][k];
+    for (int k = 0; k < kLanesOfVector; ++k) r.rows[k].v[i] = x.rows[i].v[k];
   }
+  return r;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "slom/tape/recording.hpp"
 
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -11,7 +12,7 @@
 namespace slom::tape {
 
 namespace {
-thread_local std::uint32_t last_number = 0;
+std::atomic<std::uint32_t> last_number = 0;  // of recordings of all threads; 0 stands for constants
 }  // namespace
 
 struct Recording::State {
@@ -159,8 +160,9 @@ Number data(double value) {
 
 Recording::Recording() : state_(new State) {
   state_->outer = State::current();
-  if (++last_number == 0) ++last_number;
-  state_->number = last_number;
+  do {
+    state_->number = ++last_number;
+  } while (state_->number == 0);
   State::current() = &*state_;
 }
 Recording::~Recording() { State::current() = state_->outer; }
