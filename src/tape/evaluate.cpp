@@ -48,16 +48,21 @@ void Tape::gather(const Source& source, int first, int count, double* arena) con
   const Kernels& kernels = *chosenKernels();
   const int arity = static_cast<int>(sizes_.size());
   const double* from[kManyLanes];
+  const auto fillRest = [&] {  // lanes without a measurement repeat the last one
+    for (int k = count; k < lanes_; ++k) from[k] = from[count - 1];
+  };
   double* to = arena;
   for (int v = 0; v < arity; ++v) {
-    for (int k = 0; k < lanes_; ++k)
-      from[k] = source.variables[static_cast<std::ptrdiff_t>(first + std::min(k, count - 1)) * arity + v];
+    const double* const* next = source.variables + static_cast<std::ptrdiff_t>(first) * arity + v;
+    for (int k = 0; k < count; ++k, next += arity) from[k] = *next;
+    fillRest();
     kernels.gather(from, sizes_[static_cast<std::size_t>(v)], lanes_, to);
     to += static_cast<std::ptrdiff_t>(sizes_[static_cast<std::size_t>(v)]) * lanes_;
   }
   if (code_.data == 0) return;
-  for (int k = 0; k < lanes_; ++k)
-    from[k] = source.data + static_cast<std::ptrdiff_t>(first + std::min(k, count - 1)) * code_.data;
+  const double* next = source.data + static_cast<std::ptrdiff_t>(first) * code_.data;
+  for (int k = 0; k < count; ++k, next += code_.data) from[k] = next;
+  fillRest();
   kernels.gather(from, code_.data, lanes_, to);
 }
 
