@@ -8,7 +8,9 @@
 ///   arguments   as for other functions: VarIDs are variables, slom::measured(z) is predicted, others are data
 ///   data        numbers, vectors and mtk's types become columns of data. Others, such as integers, become constants of
 ///               the tape
-///   captures    become constants of the tape, too. Pass them through slom::tape::data(x) to make them data
+///   captures    become constants of the tape, too. Pass them through slom::tape::data(x) to make them data. A function
+///               without captures is recorded once for each list of types: it must not read variables of its own that
+///               change, unless through slom::tape::data
 ///   branches    f must use mtk::select in place of `if` on computed numbers
 /// Measurements with equal tapes are one kind and one batch, whatever functions made them.
 #pragma once
