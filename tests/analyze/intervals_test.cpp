@@ -169,8 +169,8 @@ TEST(Intervals, SayThatAComponentIsAtItsBound) {
   table.rows = {{.name = "rate", .value = 0.3, .standard_deviation = 0, .lower = 0.273021, .upper = 0.3}};
   EXPECT_EQ(table.text(),
             "95 % intervals\n"
-            "  parameter   value  standard deviation    lower   upper\n"
-            "  rate       0.3000            at bound   0.2730  0.3000\n");
+            "  parameter    value  standard deviation    lower    upper\n"
+            "  rate       0.30000            at bound  0.27302  0.30000\n");
 }
 
 TEST(Intervals, AreThoseOfAFit) {
