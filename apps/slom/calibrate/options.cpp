@@ -106,9 +106,7 @@ CLI::Option* addUsualOptions(CLI::App& command, RawOptions& raw) {
                   "leave out an image or a corner: 17, 17:5, left.17:5; may be repeated")
       ->type_name("[CAMERA.]IMAGE[:CORNER]")
       ->allow_extra_args(false);
-  command
-      .add_option("--json", settings.json_file,
-                  "result with all digits, as JSON; -: standard output, in place of the report")
+  command.add_option("--json", settings.json_file, "result with all digits, as JSON; -: standard output")
       ->type_name("FILE");
   command
       .add_option("--output", settings.yaml_file,

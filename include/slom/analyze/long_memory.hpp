@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "mtk/detail/cpp20.hpp"
+
 namespace slom {
 
 /// Returns the factor that extrapolates a variance from the longest blocks to the whole series; 1 if there are too few
