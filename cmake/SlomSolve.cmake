@@ -38,7 +38,7 @@ else()
 endif()
 
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
-  foreach(folder IN ITEMS solve/dense tape)  # the factorisation's and those of tapes
+  foreach(folder IN ITEMS solve/dense tape)  # for factorisations and for tapes
     foreach(set IN ITEMS avx2 avx512 portable)
       list(APPEND ${set}_kernels "${PROJECT_SOURCE_DIR}/src/${folder}/kernels_${set}.cpp")
     endforeach()

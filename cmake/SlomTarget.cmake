@@ -17,6 +17,13 @@ function(slom_fuzzed target)
   endif()
 endfunction()
 
+# slom_compile_quickly(): the targets of this folder are compiled with little optimisation and without flattening, because they take longer to
+# compile than to run. The libraries that they link are compiled as users get them.
+macro(slom_compile_quickly)
+  add_compile_options($<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
+  add_compile_definitions(SLOM_NO_FLATTEN)
+endmacro()
+
 # slom_unity(<target>): compiles its sources in groups, unless SLOM_UNITY_BUILD is off. So a group parses the headers and instantiates the templates
 # that its sources share only once.
 function(slom_unity target)

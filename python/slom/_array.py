@@ -1,25 +1,17 @@
 import numpy as np
 
 
+def _comparison(ufunc):
+    return lambda self, other: ufunc(self, other, dtype=object)
+
+
 class Array(np.ndarray):
     """An array of recorded numbers. Its comparisons give arrays of conditions, for slom.where."""
 
-    def __lt__(self, other):
-        return np.less(self, other, dtype=object)
-
-    def __le__(self, other):
-        return np.less_equal(self, other, dtype=object)
-
-    def __gt__(self, other):
-        return np.greater(self, other, dtype=object)
-
-    def __ge__(self, other):
-        return np.greater_equal(self, other, dtype=object)
-
-    def __eq__(self, other):
-        return np.equal(self, other, dtype=object)
-
-    def __ne__(self, other):
-        return np.not_equal(self, other, dtype=object)
-
+    __lt__ = _comparison(np.less)
+    __le__ = _comparison(np.less_equal)
+    __gt__ = _comparison(np.greater)
+    __ge__ = _comparison(np.greater_equal)
+    __eq__ = _comparison(np.equal)
+    __ne__ = _comparison(np.not_equal)
     __hash__ = None

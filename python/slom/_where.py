@@ -5,9 +5,7 @@ from . import _slom
 
 def where(condition, a, b):
     """Returns `a` where the condition holds, `b` elsewhere: numpy.where that also takes recorded numbers."""
-    select = np.frompyfunc(_select, 3, 1)
-    result = select(condition, a, b)
-    return result if np.ndim(result) else (result.item() if isinstance(result, np.ndarray) else result)
+    return np.frompyfunc(_select, 3, 1)(condition, a, b)
 
 
 def _select(condition, a, b):

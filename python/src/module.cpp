@@ -104,7 +104,6 @@ std::size_t measure(const std::shared_ptr<Estimator>& est, const nb::callable& f
   if (rows == 0) return 0;
 
   std::shared_ptr<const TracedKind> kind;
-  std::vector<double> recorded_data;
   {
     tape::Recording recording;
     nb::list proxies;

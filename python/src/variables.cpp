@@ -14,7 +14,7 @@
 namespace slom::python {
 namespace {
 
-constexpr int longest_vector = 12;
+constexpr std::size_t longest_vector = 12;
 
 [[noreturn]] void raiseValue(const std::string& what) {
   throw mtk::Error("slom.bad-value",
@@ -85,23 +85,22 @@ class KindOf : public VariableKind {
 };
 
 template <std::size_t... N>
-const VariableKind& vectorKind(int n, std::index_sequence<N...>) {
+const VariableKind& vectorKind(std::size_t n, std::index_sequence<N...>) {
   static const std::array<std::unique_ptr<VariableKind>, sizeof...(N)> kinds{
       std::make_unique<KindOf<mtk::vect<int(N) + 1>>>()...};
-  return *kinds[std::size_t(n - 1)];
+  return *kinds[n - 1];
 }
 
 }  // namespace
 
 const VariableKind& kindOf(nb::handle value) {
   static const KindOf<double> scalar;
-  if (nb::isinstance<nb::float_>(value) || nb::isinstance<nb::int_>(value)) return scalar;
-  const Eigen::VectorXd x = vectorOf(value);
-  const nb::object ndim = nb::module_::import_("numpy").attr("ndim")(value);
-  if (nb::cast<int>(ndim) == 0) return scalar;
-  if (x.size() < 1 || x.size() > longest_vector)
-    raiseValue("the start value of a variable has " + std::to_string(x.size()) + " numbers");
-  return vectorKind(int(x.size()), std::make_index_sequence<longest_vector>());
+  const nb::object numpy = nb::module_::import_("numpy");
+  if (nb::cast<int>(numpy.attr("ndim")(value)) == 0) return scalar;
+  const auto size = nb::cast<std::size_t>(numpy.attr("size")(value));
+  if (size < 1 || size > longest_vector)
+    raiseValue("the start value of a variable has " + std::to_string(size) + " numbers");
+  return vectorKind(size, std::make_index_sequence<longest_vector>());
 }
 
 }  // namespace slom::python

@@ -25,7 +25,8 @@ struct Term {
   Id a = 0, b = 0;
 };
 
-/// Returns the instruction for sums of products, of which the last `minus` are subtracted, and perhaps a single term.
+/// Returns the instruction that adds products and, if there is one, a single term. It subtracts the last `minus`
+/// products.
 Kind kindOfSum(int products, int minus, bool has_single, bool single_minus) {
   constexpr Kind plain[3][4] = {{Kind::p, Kind::m, Kind::m, Kind::m},
                                 {Kind::pp, Kind::pm, Kind::mm, Kind::mm},
@@ -90,8 +91,7 @@ Kind kindOf(Operation operation) {
 class Selection {
  public:
   Selection(const Graph& graph, const std::vector<Id>& outputs)
-      : graph_(graph), next_(graph.size()), uses_(graph.size(), 0) {
-    countUses(outputs);
+      : graph_(graph), next_(graph.size()), uses_(usesOf(graph, outputs)) {
     listSines();
     for (const Id id : outputs) visit(id);
   }
@@ -105,23 +105,7 @@ class Selection {
            operation == Operation::multiply || operation == Operation::negate;
   }
 
-  void countUses(const std::vector<Id>& outputs) {
-    std::vector<Id> pending;
-    const auto use = [&](Id id) {
-      if (uses_[id]++ == 0) pending.push_back(id);
-    };
-    for (const Id id : outputs) use(id);
-    while (!pending.empty()) {
-      const Node& n = graph_[pending.back()];
-      pending.pop_back();
-      const int count = operandsOf(n.operation);
-      if (count > 0) use(n.a);
-      if (count > 1) use(n.b);
-      if (count > 2) use(n.c);
-    }
-  }
-
-  /// Returns the sum that the node is, with those of its terms that nothing else needs taken apart.
+  /// Returns the node as a sum. Takes a term apart, too, if nothing else needs it.
   std::vector<Term> termsOf(Id root) const {
     std::vector<Term> terms;
     std::vector<std::pair<Id, bool>> pending{{root, false}};
@@ -247,7 +231,7 @@ class Selection {
     made_.insert(id);
   }
 
-  /// Lists the sines and cosines of the formula, so that those of one angle are made together.
+  /// Lists the sines and cosines of the formula, so that sine and cosine of one angle are made together.
   void listSines() {
     for (Id id = 0; id < graph_.size(); ++id) {
       if (uses_[id] == 0) continue;

@@ -54,7 +54,7 @@ std::vector<bool> checkInstructions(const Code& code, const std::vector<Instruct
   const auto write = [&](std::uint16_t to, std::size_t number) {
     if (to < first_result || to >= has_value.size())
       raiseBadTape("writes to register " + std::to_string(to) + " in instruction " + std::to_string(number) +
-                   ", which is no result");
+                   ", which holds no results");
   };
   for (std::size_t i = 0; i < instructions.size(); ++i) {
     const Instruction& instruction = instructions[i];

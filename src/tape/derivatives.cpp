@@ -376,26 +376,11 @@ class LinearGraph {
 }  // namespace
 
 int costOf(const Graph& graph, const std::vector<Id>& outputs) {
-  std::vector<int> uses(graph.size(), 0);
-  std::vector<Id> pending, live;
-  const auto use = [&](Id id) {
-    if (uses[id]++ == 0) pending.push_back(id);
-  };
-  for (const Id id : outputs) use(id);
-  while (!pending.empty()) {
-    const Id id = pending.back();
-    pending.pop_back();
-    live.push_back(id);
-    const Node& n = graph[id];
-    const int count = operandsOf(n.operation);
-    if (count > 0) use(n.a);
-    if (count > 1) use(n.b);
-    if (count > 2) use(n.c);
-  }
+  const std::vector<int> uses = usesOf(graph, outputs);
   int cost = 0;
-  for (const Id id : live) {
+  for (Id id = 0; id < graph.size(); ++id) {
     const Node& n = graph[id];
-    if (operandsOf(n.operation) == 0) continue;
+    if (uses[id] == 0 || operandsOf(n.operation) == 0) continue;
     const auto takes_over = [&](Id operand) {
       return uses[operand] == 1 && graph[operand].operation == Operation::multiply;
     };

@@ -318,4 +318,22 @@ Id Graph::simplifiedSelection(Id condition, Id a, Id b) {
   return kNone;
 }
 
+std::vector<int> usesOf(const Graph& graph, const std::vector<Id>& outputs) {
+  std::vector<int> uses(graph.size(), 0);
+  std::vector<Id> pending;
+  const auto use = [&](Id id) {
+    if (uses[id]++ == 0) pending.push_back(id);
+  };
+  for (const Id id : outputs) use(id);
+  while (!pending.empty()) {
+    const Node& n = graph[pending.back()];
+    pending.pop_back();
+    const int count = operandsOf(n.operation);
+    if (count > 0) use(n.a);
+    if (count > 1) use(n.b);
+    if (count > 2) use(n.c);
+  }
+  return uses;
+}
+
 }  // namespace slom::tape

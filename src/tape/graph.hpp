@@ -83,4 +83,7 @@ class Graph {
   std::uint32_t place_ = 0;
 };
 
+/// Returns for each node how often the outputs and the nodes that they need use it; 0: not needed.
+std::vector<int> usesOf(const Graph& graph, const std::vector<Id>& outputs);
+
 }  // namespace slom::tape

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "base/processor.hpp"
 #include "slom/tape/instruction.hpp"
 
 namespace slom::tape {
@@ -11,7 +12,6 @@ namespace slom::tape {
 inline constexpr int kManyLanes = 64, kFewLanes = 32;
 
 struct Kernels {
-  const char* name;  ///< name of the instruction set
   /// Executes `count` instructions on registers of 64 numbers.
   void (*run_many)(const Instruction* code, std::size_t count, double* arena);
   /// Executes `count` instructions on registers of 32 numbers.
@@ -23,9 +23,9 @@ struct Kernels {
   void (*scatter)(const double* const* from, int size, int lanes, double* to);
 };
 
-/// Returns the kernels for this processor. The environment variable SLOM_KERNELS chooses others, as for the solvers.
+/// Returns the kernels of the chosen instruction set. Throws as chosenInstructionSet does.
 const Kernels& kernels();
-/// Returns the kernels of an instruction set, "AVX-512", "AVX2" or "portable"; null if the processor does not have it.
-const Kernels* kernelsNamed(const char* name);
+/// Returns the kernels of an instruction set, whether the processor has it or not.
+const Kernels& kernelsOf(InstructionSet set);
 
 }  // namespace slom::tape

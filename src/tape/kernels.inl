@@ -299,9 +299,7 @@ void scatter(const double* const* from, int size, int lanes, double* to) {
   }
 }
 
-constexpr Kernels makeKernels(const char* name) {
-  return {name, &run<kManyLanes>, &run<kFewLanes>, &gather, &scatter};
-}
+constexpr Kernels makeKernels() { return {&run<kManyLanes>, &run<kFewLanes>, &gather, &scatter}; }
 
 }  // namespace
 }  // namespace slom::tape

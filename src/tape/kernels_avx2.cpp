@@ -70,5 +70,5 @@ inline Block transposed(const Block& x) {
 
 namespace slom::tape {
 extern const Kernels kAvx2Kernels;
-const Kernels kAvx2Kernels = makeKernels("AVX2");
+const Kernels kAvx2Kernels = makeKernels();
 }  // namespace slom::tape

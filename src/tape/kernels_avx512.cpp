@@ -80,5 +80,5 @@ inline Block transposed(const Block& x) {
 
 namespace slom::tape {
 extern const Kernels kAvx512Kernels;
-const Kernels kAvx512Kernels = makeKernels("AVX-512");
+const Kernels kAvx512Kernels = makeKernels();
 }  // namespace slom::tape

@@ -69,5 +69,5 @@ inline Block transposed(const Block& x) {
 
 namespace slom::tape {
 extern const Kernels kPortableTapeKernels;
-const Kernels kPortableTapeKernels = makeKernels("portable");
+const Kernels kPortableTapeKernels = makeKernels();
 }  // namespace slom::tape

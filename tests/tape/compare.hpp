@@ -11,6 +11,7 @@
 
 #include <slom/tape.hpp>
 
+#include "base/processor.hpp"
 #include "measurements/kind.hpp"
 #include "tape/evaluate.hpp"
 
@@ -23,18 +24,18 @@ struct Evaluated {
 
 /// Evaluates the tape by these kernels.
 inline Evaluated evaluated(const tape::Tape& tape, int count, const tape::Tape::Source& source,
-                           const char* kernels) {
+                           InstructionSet kernels) {
   const auto n = static_cast<std::size_t>(count * tape.rows());
   Evaluated result{std::vector<double>(n), std::vector<double>(n),
                    std::vector<double>(n * static_cast<std::size_t>(tape.columns()))};
-  tape::evaluateBy(*tape::kernelsNamed(kernels));
+  tape::evaluateBy(tape::kernelsOf(kernels));
   tape.evaluate(count, source, result.r.data(), result.J.data());
   tape.evaluate(count, source, result.r_alone.data(), nullptr);
   tape::evaluateBy(tape::kernels());
   return result;
 }
 
-/// Compares numbers, of which both may be NaN.
+/// Compares numbers. Two NaN are equal.
 inline void expectClose(const std::vector<double>& got, const std::vector<double>& expected,
                         double tolerance) {
   ASSERT_EQ(got.size(), expected.size());
@@ -91,9 +92,10 @@ void expectTraced(const F&, const std::vector<std::tuple<Z, X...>>& samples) {
   const int count = static_cast<int>(samples.size());
   const tape::Tape::Source source{variables.data(), data.data()};
   std::vector<Evaluated> results;
-  for (const char* kernels : {"portable", "AVX2", "AVX-512"}) {
-    if (tape::kernelsNamed(kernels) == nullptr) continue;
-    SCOPED_TRACE(kernels);
+  for (const InstructionSet kernels :
+       {InstructionSet::portable, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (!hasInstructionSet(kernels)) continue;
+    SCOPED_TRACE(static_cast<int>(kernels));
     results.push_back(evaluated(kind->tape, count, source, kernels));
     expectClose(results.back().r, r, 1e-14 * size * 4);
     expectClose(results.back().r_alone, r, 1e-14 * size * 4);

@@ -232,8 +232,9 @@ TEST(HostileTape, FaultsAreNamed) {
   const std::string remedy = "; write it again with the program that made it";
   EXPECT_EQ(fault([](tape::Code& code) { code.residual[0].kind = 999; }),
             "[slom.bad-tape] the tape has the unknown instruction 999" + remedy);
-  EXPECT_EQ(fault([](tape::Code& code) { code.residual[0].to = 0; }),
-            "[slom.bad-tape] the tape writes to register 0 in instruction 0, which is no result" + remedy);
+  EXPECT_EQ(
+      fault([](tape::Code& code) { code.residual[0].to = 0; }),
+      "[slom.bad-tape] the tape writes to register 0 in instruction 0, which holds no results" + remedy);
   EXPECT_EQ(fault([](tape::Code& code) { code.residual[0].from[0] = 60000; }),
             "[slom.bad-tape] the tape reads register 60000 in instruction 0, which has no value" + remedy);
   EXPECT_EQ(fault([](tape::Code& code) { code.residual.clear(); }),

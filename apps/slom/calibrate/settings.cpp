@@ -336,7 +336,7 @@ bool parseImuReads(const std::string& text, const CommandSettings& settings) {
 
 CommandSettings parseSettings(const RawOptions& raw) {
   CommandSettings settings = raw.rest;
-  if (settings.jsonToStdout()) settings.quiet = true;
+  if (settings.jsonToStdout()) settings.quiet = true;  // nothing but the JSON is on standard output
   if (raw.imu_files.size() > 1) {
     throw UserError(fmt::format(
         "--imu {}: takes only one file; put the readings of all parts of the recording into one file, "

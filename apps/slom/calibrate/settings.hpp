@@ -8,6 +8,7 @@
 
 #include "calibrate/detect/board.hpp"
 #include "calibrate/library.hpp"
+#include "fitting/console.hpp"
 
 namespace slom::app::calib {
 
@@ -28,7 +29,7 @@ struct LensOption : LensConstraint {
 };
 
 /// The settings of the library, and those of the command besides calibrating.
-struct CommandSettings : Settings {
+struct CommandSettings : Settings, ReportOptions {
   std::vector<CameraFile> cameras;
   std::optional<Board> board;  ///< in the photographs of the cameras; nothing: the cameras have corner files
   std::optional<BoardOfFiles>
@@ -41,17 +42,11 @@ struct CommandSettings : Settings {
   bool board_shape_is_given = true;      ///< likewise
   bool sigma_by_is_given = true;         ///< likewise
   bool is_compared = false;              ///< by --compare
-  std::string json_file;                 ///< empty: none; "-": standard output, in place of the report
   std::string yaml_file;                 ///< empty: none
   std::string report_file;               ///< empty: none
   OutputFormat format = OutputFormat::opencv;
   std::map<std::string, ImageSize> image_sizes;  ///< by camera, if the user gave them
   std::vector<Exclusion> exclusions;             ///< of --exclude
-  bool quiet = false;
-
-  bool jsonToStdout() const { return json_file == "-"; }
-  /// Returns the path of the JSON file; empty if there is none or the JSON goes to standard output.
-  std::string jsonPath() const { return jsonToStdout() ? "" : json_file; }
 };
 
 /// The options as text, as CLI11 passes them.

@@ -7,9 +7,9 @@
 
 namespace slom {
 
-/// Returns the factor that extrapolates a variance from the longest blocks to the whole series; 1 if there are too few
-/// lengths to see a growth. `variances`: of a value, by blocks of 1, 2, 4, ... groups, of which the longest blocks have
-/// `length` of `groups` groups.
+/// Returns the factor that extrapolates the variance of a value from the longest blocks to the whole series of `groups`
+/// groups; 1 if there are too few lengths to see a growth. `variances`: from blocks of 1, 2, 4, ... groups. `length`: the
+/// number of groups in the longest blocks.
 ///
 /// For errors with a long memory, the variance per group of sums over blocks of b groups grows as b^a, a = 2 H - 1 with
 /// Hurst's coefficient H. The variance by blocks is about the mean of all n groups, so that

@@ -7,7 +7,7 @@
 
 namespace slom::tape {
 
-/// What an instruction computes from its operands a, b, c, ...; see src/tape/instructions.hpp.
+/// One operation on registers. src/tape/instructions.hpp lists the kinds and their operands.
 struct Instruction {
   static constexpr int kMostOperands = 7;
   std::uint16_t kind = 0;

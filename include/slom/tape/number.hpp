@@ -2,7 +2,7 @@
 /// in a Recording.
 ///   state      a constant, or a node of the current Recording
 ///   branches   a comparison gives a Condition: use `mtk::select(condition, a, b)` in place of `if`, as with packs
-///   functions  those of <cmath>, found by argument
+///   functions  the functions of <cmath>, found by argument
 /// Constants are folded at once. The numbers of one Recording must not be used in another: [slom.traced-elsewhere].
 #pragma once
 

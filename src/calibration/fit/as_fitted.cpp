@@ -178,6 +178,13 @@ Dataset withMotion(const Result& result, const Dataset& data) {
   return moving;
 }
 
+bool moves(const CameraData& camera) {
+  return std::any_of(camera.views.begin(), camera.views.end(), [](const View& view) {
+    return std::any_of(view.corners.begin(), view.corners.end(),
+                       [](const Corner& corner) { return corner.by_readout.squaredNorm() > 0; });
+  });
+}
+
 Dataset withoutReadout(const Dataset& data, const Result& result) {
   if (std::none_of(result.cameras.begin(), result.cameras.end(), [](const auto& c) { return c.readout; }))
     return data;

@@ -19,6 +19,8 @@ Dataset asFitted(const Result& result, const Dataset& data);
 /// Returns the data with Corner::by_readout from the poses of the result: (row / height) motion. Corners that are not
 /// known to move get 0.
 Dataset withMotion(const Result& result, const Dataset& data);
+/// Returns whether corners of the camera are known to move: whether Corner::by_readout of some is not 0.
+bool moves(const CameraData& camera);
 
 /// Returns the data as a camera that reads all rows at once would have seen them, with Corner::by_readout. Moves each
 /// pixel back by the motion of its corner until its row is read.

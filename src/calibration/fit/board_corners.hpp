@@ -26,8 +26,8 @@ class CornerOfShape {
                       auto by_camera, auto by_left2camera, auto by_left2world, auto& by_shape) const {
     const SeenBoard::Rows rows = SeenBoard(camera, left2camera, left2world).rowsOf(at(shape));
     *by_camera = rows.seen.by_parameters;
-    if constexpr (!std::is_null_pointer_v<decltype(by_left2camera)>) *by_left2camera = rows.by_left2camera;
-    *by_left2world = rows.by_left2world;
+    if constexpr (!std::is_null_pointer_v<decltype(by_left2camera)>) *by_left2camera = rows.byLeft2Camera();
+    *by_left2world = rows.byLeft2World();
     by_shape = rows.by_point * *map_;
   }
 

@@ -58,13 +58,23 @@ class CornersOfView {
     const SeenBoard board(camera, left2camera, left2world);
     for (std::size_t i = 0; i < count(); ++i) {
       const SeenBoard::Rows rows = board.rowsOf(corner(i).world);
-      const auto set = [&](auto block, const auto& derivative) {
+      const auto row = 2 * Eigen::Index(i);
+      if constexpr (!std::is_null_pointer_v<decltype(by_camera)>)
+        by_camera->template middleRows<2>(row) = rows.seen.by_parameters;
+      if constexpr (!std::is_null_pointer_v<decltype(by_left2camera)>) {
+        by_left2camera->template block<2, 3>(row, 0) = rows.seen.by_point;
+        by_left2camera->template block<2, 3>(row, 3) = -rows.by_turn;
+      }
+      if constexpr (!std::is_null_pointer_v<decltype(by_left2world)>) {
+        by_left2world->template block<2, 3>(row, 0) = -rows.by_point;
+        by_left2world->template block<2, 3>(row, 3) = rows.by_turn;
+      }
+      if (corner(i).sigma == 1) continue;
+      const auto divide = [&](auto block) {
         if constexpr (!std::is_null_pointer_v<decltype(block)>)
-          block->template middleRows<2>(2 * Eigen::Index(i)) = derivative / corner(i).sigma;
+          block->template middleRows<2>(row) /= corner(i).sigma;
       };
-      set(by_camera, rows.seen.by_parameters);
-      set(by_left2camera, rows.by_left2camera);
-      set(by_left2world, rows.by_left2world);
+      divide(by_camera), divide(by_left2camera), divide(by_left2world);
     }
   }
 

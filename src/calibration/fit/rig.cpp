@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "calibration/fit/as_fitted.hpp"
 #include "calibration/fit/board_corners.hpp"
 #include "calibration/fit/imu_precision.hpp"
 #include "calibration/fit/lens_constraints.hpp"
@@ -84,18 +85,14 @@ double RigProblem::rmsOfAll() const {
 }
 
 void RigProblem::insertReadout(const CameraData& camera) {
-  bool moves = false;
-  for (const View& view : camera.views) {
-    for (const Corner& corner : view.corners) moves |= corner.by_readout.squaredNorm() > 0;
-  }
   readout_.emplace_back();
-  if (settings_.rolling_shutter && moves)
+  if (settings_.rolling_shutter && moves(camera))
     readout_.back() = est_.insertRV(mtk::Scalar<>(0), true, camera.name + ".readout");
 }
 
 namespace {
 
-/// Inserts corners as a measurement of these variables and, if there is one, of the readout.
+/// Inserts corners as a measurement of these variables, and of the readout if there is one.
 template <class Corners, class... Variables>
 void insert(Estimator& estimator, const Corners& corners, double sigma,
             const std::optional<VarID<mtk::Scalar<>>>& readout, const Variables&... variables) {

@@ -21,20 +21,23 @@ class SeenBoard {
 
   /// The pixel of a point and its derivatives [px].
   struct Rows {
-    Lens::Projection seen;  ///< also by the lens parameters
-    Eigen::Matrix<double, 2, 6> by_left2camera, by_left2world;
-    Eigen::Matrix<double, 2, 3> by_point;  ///< by the point in the world
+    Lens::Projection seen;                          ///< also by the lens parameters
+    Eigen::Matrix<double, 2, 3> by_point, by_turn;  ///< by the point in the world; by a turn of left2world
 
     vec2 pixel() const { return seen.pixel; }
+    Eigen::Matrix<double, 2, 6> byLeft2Camera() const {
+      return (Eigen::Matrix<double, 2, 6>() << seen.by_point, -by_turn).finished();
+    }
+    Eigen::Matrix<double, 2, 6> byLeft2World() const {
+      return (Eigen::Matrix<double, 2, 6>() << -by_point, by_turn).finished();
+    }
   };
   Rows rowsOf(const Eigen::Vector3d& world) const {
     const Eigen::Vector3d in_left = world2left_ * (world - origin_);
-    Rows rows{lens_.differentiate(left2camera_ * in_left + offset_), {}, {}, {}};
-    const Eigen::Matrix<double, 2, 3> by_left = rows.seen.by_point * left2camera_,
-                                      by_turn = by_left * crossMatrix(in_left);
-    rows.by_left2camera << rows.seen.by_point, -by_turn;
+    Rows rows{lens_.differentiate(left2camera_ * in_left + offset_), {}, {}};
+    const Eigen::Matrix<double, 2, 3> by_left = rows.seen.by_point * left2camera_;
+    rows.by_turn = by_left * crossMatrix(in_left);
     rows.by_point = by_left * world2left_;
-    rows.by_left2world << -rows.by_point, by_turn;
     return rows;
   }
 

@@ -36,14 +36,20 @@ double medianPixelError(const Lens& camera, const SE3& world2camera, const View&
   return medianOf(errors);
 }
 
-SE3 fitPose(const Lens& known_camera, const SE3& world2camera, const View& view, Options options) {
+namespace {
+
+/// Returns the pose of one view for a known camera, fitted from a start. Returns the start if the fit fails.
+SE3 fitPose(const Lens& known_camera, const SE3& world2camera, const View& view, const Settings& settings) {
   Estimator est;
   est.changeAlgorithm(LevenbergMarquardt());
   const auto pose = est.insertRV(world2camera.inverse(), true, "camera2world");
   est.insertMeasurement(ViewOfLeft(view), known_camera, pose);
   try {
+    Options options;
     options.most_parameters = 0;
+    options.decrease_tolerance = rough_tolerance;
     options.deviation_tolerance = std::numeric_limits<double>::infinity();
+    applyLimits(settings.limits, options);
     est.optimize(options);
   } catch (const slom::Error&) {  // a corner in the camera's plane: keep the start
     return world2camera;
@@ -52,15 +58,6 @@ SE3 fitPose(const Lens& known_camera, const SE3& world2camera, const View& view,
   return squaredPixelError(known_camera, fitted, view) < squaredPixelError(known_camera, world2camera, view)
              ? fitted
              : world2camera;
-}
-
-namespace {
-
-SE3 fitPose(const Lens& known_camera, const SE3& world2camera, const View& view, const Settings& settings) {
-  Options options;
-  options.decrease_tolerance = rough_tolerance;
-  applyLimits(settings.limits, options);
-  return fitPose(known_camera, world2camera, view, std::move(options));
 }
 
 /// Returns the better of two poses. A small board seen from afar looks nearly the same when tilted the other way.

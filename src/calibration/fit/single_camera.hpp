@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <slom/optimize/optimizer.hpp>
-
 #include "calibration/initialization/rig.hpp"
 #include "calibration/initialization/view_pose.hpp"
 #include "calibration/models/lens.hpp"
@@ -34,9 +32,6 @@ double squaredPixelError(const Lens& camera, const SE3& world2camera, const View
 
 /// Returns the median of the distances between corners and pixels [px]; infinity if the median corner has no image.
 double medianPixelError(const Lens& camera, const SE3& world2camera, const View& view);
-
-/// Returns the pose of one view for a known camera, fitted from a start. Returns the start if the fit fails.
-SE3 fitPose(const Lens& known_camera, const SE3& world2camera, const View& view, Options options);
 
 /// Fits one camera to its views as planes: start values, then all unknowns together. Keeps the best of several
 /// starts.

@@ -107,16 +107,13 @@ double changeOfReadout(const Result& before, const Result& after) {
   return most;
 }
 
-/// Returns `data` with Corner::sigma and Corner::by_readout from the same corners of `others`.
-Dataset weightedAs(const Dataset& others, Dataset data) {
+/// Returns `data` with Corner::sigma from the same corners of `others`.
+Dataset withSigmasOf(const Dataset& others, Dataset data) {
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     for (std::size_t v = 0; v < data.cameras[c].views.size(); ++v) {
       auto& corners = data.cameras[c].views[v].corners;
-      for (std::size_t k = 0; k < corners.size(); ++k) {
-        const Corner& other = others.cameras[c].views[v].corners[k];
-        corners[k].sigma = other.sigma;
-        corners[k].by_readout = other.by_readout;
-      }
+      for (std::size_t k = 0; k < corners.size(); ++k)
+        corners[k].sigma = others.cameras[c].views[v].corners[k].sigma;
     }
   }
   return data;
@@ -132,9 +129,9 @@ Result refined(const Dataset& data, const Settings& settings, Result result) {
     if (!reasonToEnd(settings.limits).empty()) break;
     Result proposed = result;
     if (estimatesNoise(settings)) estimateNoise(withoutReadout(data, proposed), settings, proposed);
-    Dataset seen = asFitted(proposed, data);
-    if (settings.rolling_shutter) seen = withMotion(proposed, seen);
-    Result next = fittedAgain(weightedAs(seen, data), settings, proposed);
+    const Dataset seen = asFitted(proposed, data);
+    Dataset moving = settings.rolling_shutter ? withMotion(proposed, data) : data;
+    Result next = fittedAgain(withSigmasOf(seen, std::move(moving)), settings, proposed);
     if (!next.success()) break;
     const double change = std::max(changeBetween(result, next), changeOfReadout(result, next));
     result = std::move(next);

@@ -39,7 +39,7 @@ std::optional<ReadoutTrial> trialOf(const Dataset& on_board, const FittedRig& ri
       setByShared(rig.columns, c, rows, corner, equations.pose_by_shared, by_shared);
       const Eigen::Vector2d e = corner.pixel - rows.pixel();
       of_shared.col(block) += by_shared * (weight * e);
-      scores.add<1>(0, block, weight, e, PatternRows<1>(corner.by_readout), rows.by_left2world, by_shared);
+      scores.add<1>(0, block, weight, e, PatternRows<1>(corner.by_readout), rows.byLeft2World(), by_shared);
     }
     scores.endView(equations.pose_inverse);
   }
@@ -52,13 +52,6 @@ std::optional<ReadoutTrial> trialOf(const Dataset& on_board, const FittedRig& ri
       std::sqrt(count / std::max(1.0, count - 1) * (by_block.array() - mean).square().sum());
   return ReadoutTrial{{by_block.sum(), std::sqrt(variance), clustered},
                       FlipTest(scores.products()).probability()};
-}
-
-bool moves(const CameraData& camera) {
-  return std::any_of(camera.views.begin(), camera.views.end(), [](const View& view) {
-    return std::any_of(view.corners.begin(), view.corners.end(),
-                       [](const Corner& corner) { return corner.by_readout.squaredNorm() > 0; });
-  });
 }
 
 }  // namespace

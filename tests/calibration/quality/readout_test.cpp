@@ -165,8 +165,8 @@ TEST(RollingShutter, IsNotFoundWhereAllRowsAreReadAtOnce) {
   EXPECT_LT(squares, 2.6);
 }
 
-/// The standard deviations that the estimator states, beside those of the normal equations of the images, from which the
-/// clustered ones and the projection uncertainty are found: two ways that share nothing but the derivatives of a pixel.
+/// The standard deviations of the estimator, beside the normal equations of the images, which give the clustered ones and
+/// the projection uncertainty. The two ways share nothing but the derivatives of a pixel.
 TEST(RollingShutter, IsAnUnknownOfAllUncertainties) {
   for (const BoardShape shape : {BoardShape::flat, BoardShape::free}) {
     const Recording recording = recorded(30, {0.3, -0.15}, 8);

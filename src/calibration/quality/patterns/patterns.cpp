@@ -191,7 +191,7 @@ void CameraPatterns::addView(std::size_t i, Scores& scores) {
     facts_[i].squares += residuals.back().squaredNorm();
     scores_.col(block).noalias() += by_shared * (weight * e);
     const auto add = [&]<int D>(PatternScores& to, int cell, const PatternRows<D>& F) {
-      to.add<D>(cell, block, weight, e, F, rows.by_left2world, by_shared);
+      to.add<D>(cell, block, weight, e, F, rows.byLeft2World(), by_shared);
     };
     add(scores.board, facts_[i].points[k], PatternRows<3>(rows.by_point * board2world_));
     const auto cellOf = [](double x, double size, int count) {

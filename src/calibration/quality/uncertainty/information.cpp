@@ -57,7 +57,7 @@ Eigen::MatrixXd squareOf(const FittedRig& rig, std::size_t c, const Observation&
     const SeenBoard::Rows rows = board.rowsOf(corners[k].world);
     auto columns = transposed.middleCols<2>(2 * Eigen::Index(k));
     columns.topRows(n) = weight * byCamera(rig.columns, c, rows, corners[k]).transpose();
-    columns.bottomRows<6>() = weight * rows.by_left2camera.transpose();
+    columns.bottomRows<6>() = weight * rows.byLeft2Camera().transpose();
   }
   Eigen::MatrixXd square = Eigen::MatrixXd::Zero(n + 6, n + 6);
   square.selfadjointView<Eigen::Lower>().rankUpdate(transposed);
@@ -106,9 +106,9 @@ void addBoard(const FittedRig& rig, std::size_t c, const Observation& observatio
     const Eigen::Index row = rig.columns.size + first;
     H.block(row, rig.columns.lens[c], 3, n).noalias() +=
         weighted.transpose().lazyProduct(byCamera(rig.columns, c, rows, corner));
-    if (c > 0) H.block<3, 6>(row, left2camera).noalias() += weighted.transpose() * rows.by_left2camera;
+    if (c > 0) H.block<3, 6>(row, left2camera).noalias() += weighted.transpose() * rows.byLeft2Camera();
     H.block<3, 3>(row, row).noalias() += weighted.transpose() * by_board;
-    H.bottomRows<6>().middleCols<3>(row).noalias() += rows.by_left2world.transpose() * weighted;
+    H.bottomRows<6>().middleCols<3>(row).noalias() += rows.byLeft2World().transpose() * weighted;
   }
 }
 
@@ -135,10 +135,10 @@ ByCamera byCamera(const SharedColumns& columns, std::size_t camera, const SeenBo
 void setByShared(const SharedColumns& columns, std::size_t camera, const SeenBoard::Rows& rows,
                  const Corner& corner, const Eigen::Matrix<double, 6, Eigen::Dynamic>& pose_by_shared,
                  Eigen::Matrix<double, Eigen::Dynamic, 2>& by_shared) {
-  by_shared.noalias() = -pose_by_shared.transpose() * rows.by_left2world.transpose();
+  by_shared.noalias() = -pose_by_shared.transpose() * rows.byLeft2World().transpose();
   by_shared.middleRows(columns.lens[camera], columns.of_camera[camera]) +=
       byCamera(columns, camera, rows, corner).transpose();
-  if (camera > 0) by_shared.middleRows<6>(columns.pose[camera]) += rows.by_left2camera.transpose();
+  if (camera > 0) by_shared.middleRows<6>(columns.pose[camera]) += rows.byLeft2Camera().transpose();
 }
 
 BoardColumns::BoardColumns(const FittedBoard& board)

@@ -80,7 +80,7 @@ struct FittedRig {
   SharedColumns columns;
 };
 
-/// The observations of one image: by camera the corners that it sees, of which the pixel is not used, and a reading.
+/// The observations of one image: by camera the corners that it sees, and a reading. Pixels of corners are not used.
 struct Observation {
   SE3 left2world;
   std::vector<std::vector<Corner>> corners;

@@ -141,8 +141,8 @@ void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t
     const double weight = 1 / (rig.sigma_px * corner.sigma);
     const SeenBoard::Rows seen = board.rowsOf(corner.world);
     rows.noalias() = by_camera * byCamera(rig.columns, c, seen, corner).transpose();
-    if (c > 0) rows.noalias() += by_left2camera * seen.by_left2camera.transpose();
-    rows.noalias() -= by_pose * seen.by_left2world.transpose();
+    if (c > 0) rows.noalias() += by_left2camera * seen.byLeft2Camera().transpose();
+    rows.noalias() -= by_pose * seen.byLeft2World().transpose();
     if (rig.board) {
       const auto [first, map] = rig.board->of(corner.world);
       const Eigen::Matrix<double, 2, 3> by_board = seen.by_point * *map;
@@ -153,7 +153,7 @@ void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t
     }
     const Eigen::Vector2d residual = corner.pixel - seen.pixel();
     const Eigen::Matrix2d leverage = weight * weight *
-                                     (seen.by_left2world * pose_inverse * seen.by_left2world.transpose() +
+                                     (seen.byLeft2World() * pose_inverse * seen.byLeft2World().transpose() +
                                       rows.transpose() * rows);  // 2 x 2, of u and v
     const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - leverage;
     const bool is_checked = rest.determinant() > least_redundancy * rest.trace();
