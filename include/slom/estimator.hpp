@@ -110,6 +110,8 @@ class Estimator {
   auto insertRV(const T& value, std::string_view name) {
     return insertVariable(value, true, name);
   }
+  /// Adds a variable of a type that is described at run time. Throws as RuntimeValue's functions do.
+  AnyVarID insertRV(const RuntimeValue& value, bool optimize = true, std::string_view name = {});
   /// Calls insertRV; the paper's outlook uses this name.
   template <class T, class... More>
   auto registerRV(const T& value, More&&... more) {
@@ -120,22 +122,24 @@ class Estimator {
   void reinitRV(const VarID<T>& id, const std::type_identity_t<T>& value) {
     problem().setValue(id, value);
   }
+  /// Throws [slom.wrong-type] if the variable is not of the type of the value.
+  void reinitRV(const AnyVarID& id, const RuntimeValue& value);
   /// Fixes a variable at its current value, or releases it.
-  template <class T>
-  void optimizeRV(const VarID<T>& id, bool optimize) {
+  template <AnyVariableHandle V>
+  void optimizeRV(const V& id, bool optimize) {
     problem().setOptimized(problem().indexOf(id), optimize);
   }
   // Parts of variables. A path names a component or all components below it, as messages do: "pos.z", "pos". An unknown
   // path throws [slom.no-component], which lists the valid ones.
 
   /// Fixes a variable, like optimizeRV(id, false).
-  template <class T>
-  void fix(const VarID<T>& id) {
+  template <AnyVariableHandle V>
+  void fix(const V& id) {
     optimizeRV(id, false);
   }
   /// Fixes components at their current values. Fixed components are not unknowns and have covariance 0.
-  template <class T>
-  void fix(const VarID<T>& id, const std::string& path) {
+  template <AnyVariableHandle V>
+  void fix(const V& id, const std::string& path) {
     setFixed(id, path, true);
   }
   /// Fixes the components of a member, whose name the compiler checks: `est.fix(&Camera::k3, cam)`.
@@ -144,15 +148,15 @@ class Estimator {
     setFixed(member, id, true);
   }
   /// Releases a variable and all its components.
-  template <class T>
-  void free(const VarID<T>& id) {
+  template <AnyVariableHandle V>
+  void free(const V& id) {
     const int variable = problem().indexOf(id);
     problem().setOptimized(variable, true);
     setFixed(variable, 0, problem().variables()[static_cast<std::size_t>(variable)].dof, false);
   }
   /// Releases fixed components.
-  template <class T>
-  void free(const VarID<T>& id, const std::string& path) {
+  template <AnyVariableHandle V>
+  void free(const V& id, const std::string& path) {
     setFixed(id, path, false);
   }
   template <class M, class C, std::derived_from<C> T>
@@ -163,13 +167,13 @@ class Estimator {
   /// holds a component at a limit if it would go beyond (active set method: Nocedal and Wright, "Numerical
   /// optimization", 2006, section 16.7). The summary lists these components, and covariances are conditional on their
   /// values. Throws [slom.bad-bound], or [slom.outside-bound] if the current value is outside.
-  template <class T>
-  void bound(const VarID<T>& id, const std::string& path, double lower, double upper) {
+  template <AnyVariableHandle V>
+  void bound(const V& id, const std::string& path, double lower, double upper) {
     bound(problem().indexOf(id), path, lower, upper);
   }
   /// Bounds every component of a variable. Each must be a coordinate of a vector.
-  template <class T>
-  void bound(const VarID<T>& id, double lower, double upper) {
+  template <AnyVariableHandle V>
+  void bound(const V& id, double lower, double upper) {
     bound(problem().indexOf(id), "", lower, upper);
   }
   /// Adds prior knowledge of a variable: a measurement x [-] value, with a standard deviation or another uncertainty.
@@ -201,13 +205,13 @@ class Estimator {
   }
 
   /// Removes a variable. Throws [slom.variable-in-use], with the number of measurements, if any depend on the variable.
-  template <class T>
-  void removeRV(const VarID<T>& id) {
+  template <AnyVariableHandle V>
+  void removeRV(const V& id) {
     problem().removeVariable(problem().indexOf(id));
   }
   /// Returns the name given at insertion, or one made of type and running number.
-  template <class T>
-  std::string nameOf(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  std::string nameOf(const V& id) const {
     return problem().variableName(problem().indexOf(id));
   }
 
@@ -357,8 +361,8 @@ class Estimator {
   /// Returns the RSS of one measurement.
   double getRSS(const MeasurementHandle& id) const;
   /// Returns the RSS of all measurements that depend on a variable.
-  template <class T>
-  double getRSS(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  double getRSS(const V& id) const {
     return rssOfVariable(problem().indexOf(id));
   }
   /// Returns the weight that a measurement has from its loss: the factor rho'(|W r|^2) of its square, between 1 (full
@@ -389,12 +393,12 @@ class Estimator {
   /// linearisation is that of the fit, in which measurements have their weights. Near the optimum the covariance is
   /// then the inverse curvature of the robust cost. Throws [slom.free-gauge], which names the free motions,
   /// [slom.rank-deficient] or [slom.unmeasured-variable].
-  template <class T>
-  Eigen::MatrixXd covariance(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  Eigen::MatrixXd covariance(const V& id) const {
     return covariance(id, id);
   }
-  template <class A, class B>
-  Eigen::MatrixXd covariance(const VarID<A>& a, const VarID<B>& b) const {
+  template <AnyVariableHandle A, AnyVariableHandle B>
+  Eigen::MatrixXd covariance(const A& a, const B& b) const {
     const int i = problem().indexOf(a), j = problem().indexOf(b);
     Eigen::MatrixXd block(dofOf(i), dofOf(j));
     writeCovariance(i, j, block.data());
@@ -402,18 +406,18 @@ class Estimator {
   }
   /// Returns the joint covariance of several variables in the given order: n x n, n the sum of their degrees of
   /// freedom. Throws as covariance does.
-  template <class... T>
-  Eigen::MatrixXd jointCovariance(const VarID<T>&... ids) const {
-    const int variables[] = {problem().indexOf(ids)...};
-    int n = 0;
-    for (const int variable : variables) n += dofOf(variable);
-    Eigen::MatrixXd C(n, n);
-    writeJointCovariance(variables, static_cast<int>(sizeof...(T)), C.data());
-    return C;
+  template <AnyVariableHandle... V>
+  Eigen::MatrixXd jointCovariance(const V&... ids) const {
+    return jointCovarianceOf({problem().indexOf(ids)...});
+  }
+  Eigen::MatrixXd jointCovariance(const std::vector<AnyVarID>& ids) const {
+    std::vector<int> variables;
+    for (const AnyVarID& id : ids) variables.push_back(problem().indexOf(id));
+    return jointCovarianceOf(variables);
   }
   /// Returns the standard deviation of each component.
-  template <class T>
-  Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  Eigen::VectorXd standardDeviation(const V& id) const {
     const int variable = problem().indexOf(id);
     Eigen::VectorXd result(dofOf(variable));
     writeDeviations(variable, result.data());
@@ -421,8 +425,8 @@ class Estimator {
   }
   /// Returns the correlations of the components of a with those of b, each from -1 to 1; dof_a x dof_b. An entry is 0
   /// if one of the components has variance 0.
-  template <class A, class B>
-  Eigen::MatrixXd correlation(const VarID<A>& a, const VarID<B>& b) const {
+  template <AnyVariableHandle A, AnyVariableHandle B>
+  Eigen::MatrixXd correlation(const A& a, const B& b) const {
     const auto inverse = [](double s) { return s > 0 ? 1 / s : 0.0; };
     const Eigen::VectorXd scale_a = standardDeviation(a).unaryExpr(inverse),
                           scale_b = standardDeviation(b).unaryExpr(inverse);
@@ -433,12 +437,12 @@ class Estimator {
   /// in the factor may be those of slightly earlier values, so the result agrees with covariance() to about 1 %. With
   /// Sigma::estimated, the variance factor needs a linearisation of everything. Throws [slom.rank-deficient]. Throws
   /// [slom.not-updated] if something has changed since the last update(), or if optimize() took over in that call.
-  template <class T>
-  Eigen::MatrixXd updatedCovariance(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  Eigen::MatrixXd updatedCovariance(const V& id) const {
     return updatedCovariance(id, id);
   }
-  template <class A, class B>
-  Eigen::MatrixXd updatedCovariance(const VarID<A>& a, const VarID<B>& b) const {
+  template <AnyVariableHandle A, AnyVariableHandle B>
+  Eigen::MatrixXd updatedCovariance(const A& a, const B& b) const {
     const int i = problem().indexOf(a), j = problem().indexOf(b);
     Eigen::MatrixXd block(dofOf(i), dofOf(j));
     writeUpdatedCovariance(i, j, block.data());
@@ -498,8 +502,8 @@ class Estimator {
   const Problem& table() const { return problem(); }
 
   /// Returns the names of the components, as in messages.
-  template <class T>
-  std::vector<std::string> componentNames(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  std::vector<std::string> componentNames(const V& id) const {
     return problem().componentNames(problem().indexOf(id));
   }
 
@@ -558,10 +562,17 @@ class Estimator {
     return id;
   }
 
-  template <class T>
-  void setFixed(const VarID<T>& id, const std::string& path, bool is_fixed) {
+  template <AnyVariableHandle V>
+  void setFixed(const V& id, const std::string& path, bool is_fixed) {
     const int variable = problem().indexOf(id);
     problem().setFixed(variable, problem().componentsAt(variable, path), is_fixed);
+  }
+  Eigen::MatrixXd jointCovarianceOf(const std::vector<int>& variables) const {
+    int n = 0;
+    for (const int variable : variables) n += dofOf(variable);
+    Eigen::MatrixXd C(n, n);
+    writeJointCovariance(variables.data(), static_cast<int>(variables.size()), C.data());
+    return C;
   }
   template <class M, class C, class T>
   void setFixed(M C::*member, const VarID<T>& id, bool is_fixed) {

@@ -50,11 +50,8 @@ Marginals makeMarginals(const LinearizedProblem& linearized, FreeGauge gauge, do
   return makeMarginals(linearized.problem(), write, variance_factor);
 }
 
-const Marginals::Place& Marginals::placeOf(const VariableHandle& id, std::string (*type)()) const {
-  if (id.store_ == nullptr)
-    throw Error("slom.stale-handle",
-                "the VarID<" + type() + "> refers to no variable; assign it the result of insertRV first",
-                "VarID<" + type() + ">");
+const Marginals::Place& Marginals::placeOf(const VariableHandle& id) const {
+  if (id.store_ == nullptr) detail::raiseStaleHandle("VarID", false);
   std::size_t store = 0;
   while (store < stores_.size() && stores_[store] != id.store_) ++store;
   const auto found =
@@ -65,11 +62,12 @@ const Marginals::Place& Marginals::placeOf(const VariableHandle& id, std::string
   const bool is_there = found != places_.end() && found->store == store && found->ref.slot == id.ref_.slot &&
                         found->ref.generation == id.ref_.generation;
   if (is_there) return *found;
+  const std::string name = "VarID<" + id.store_->typeName() + ">";
   throw Error("slom.stale-marginals",
-              "the VarID<" + type() +
-                  "> refers to a variable that was not in the problem when the marginals were "
+              "the " + name +
+                  " refers to a variable that was not in the problem when the marginals were "
                   "computed; call marginals() again, of the estimator that holds it",
-              "VarID<" + type() + ">");
+              name);
 }
 
 }  // namespace slom

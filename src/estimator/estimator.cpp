@@ -50,6 +50,23 @@ void Estimator::setGroup(const MeasurementHandle& id, const Group& group) {
   problem().assignGroups(*pool, i, &group, 1);
 }
 
+AnyVarID Estimator::insertRV(const RuntimeValue& value, bool optimize, std::string_view name) {
+  const std::vector<double> numbers = value.type->normalized(value.numbers);
+  return AnyVarID(problem().insertVariable(value.type, numbers.data(), optimize, name));
+}
+
+void Estimator::reinitRV(const AnyVarID& id, const RuntimeValue& value) {
+  const int variable = problem().indexOf(id);
+  if (RuntimeType::of(id) != value.type) {
+    const std::string own = id.store()->typeName();
+    throw Error("slom.wrong-type",
+                "variable " + problem().variableName(variable) + " is a " + own + ", the new value is a " +
+                    value.type->name() + "; pass a value of the variable's type",
+                problem().variableName(variable));
+  }
+  problem().setValue(variable, value.type->normalized(value.numbers).data());
+}
+
 void Estimator::removeMeasurement(const MeasurementHandle& id) {
   const auto [pool, i] = problem().locate(id);
   problem().removeMeasurement(*pool, i);

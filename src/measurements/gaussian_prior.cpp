@@ -134,7 +134,7 @@ GaussianPrior GaussianPrior::over(std::vector<AnyVarID> variables) const {
   }
   for (int k = 0; k < arity(); ++k) {
     const VariableStoreBase &own = state_->points[at(k)].store(), *const other = variables[at(k)].store();
-    if (other != nullptr && typeid(own) != typeid(*other)) {
+    if (other != nullptr && !own.hasTypeOf(*other)) {
       throw Error("slom.wrong-type",
                   "variable " + std::to_string(k) + " of " + priorOver(arity(), state_->columns) + " is a " +
                       own.typeName() + ", it was given a " + other->typeName() +

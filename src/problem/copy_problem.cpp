@@ -35,7 +35,7 @@ void Problem::copyFrom(const Problem& other) {
 
 void Problem::copyStores(const Problem& other) {
   for (const TypedStore& from : other.stores_) {
-    TypedStore own{from.type, from.make, std::shared_ptr<VariableStoreBase>(from.make())};
+    TypedStore own{from.type, from.store->makeEmpty()};
     own.store->copyFrom(*from.store);
     for (const StoreOrigin& origin : from.origins) {
       if (!origin.store.expired()) own.origins.push_back(origin);

@@ -8,6 +8,7 @@
 
 #include "base/index.hpp"
 #include "base/words.hpp"
+#include "model/runtime_store.hpp"
 #include "problem/uses.hpp"
 #include "slom/problem/group_table.hpp"
 
@@ -53,10 +54,26 @@ VariableHandle Problem::insertVariable(std::type_index type, VariableStoreBase* 
   auto found =
       std::find_if(stores_.begin(), stores_.end(), [&](const TypedStore& own) { return own.type == type; });
   if (found == stores_.end()) {
-    stores_.push_back({type, make, std::shared_ptr<VariableStoreBase>(make())});
+    stores_.push_back({type, std::shared_ptr<VariableStoreBase>(make())});
     found = stores_.end() - 1;
   }
-  const std::shared_ptr<VariableStoreBase>& store = found->store;
+  return insertInto(found->store, value, optimize, name);
+}
+
+VariableHandle Problem::insertVariable(const std::shared_ptr<const RuntimeType>& type, const double* value,
+                                       bool optimize, std::string_view name) {
+  auto found = std::find_if(stores_.begin(), stores_.end(), [&](const TypedStore& own) {
+    return own.type == typeid(RuntimeStore) && static_cast<const RuntimeStore&>(*own.store).type() == type;
+  });
+  if (found == stores_.end()) {
+    stores_.push_back({typeid(RuntimeStore), std::make_shared<RuntimeStore>(type)});
+    found = stores_.end() - 1;
+  }
+  return insertInto(found->store, value, optimize, name);
+}
+
+VariableHandle Problem::insertInto(const std::shared_ptr<VariableStoreBase>& store, const void* value,
+                                   bool optimize, std::string_view name) {
   const int index = reserveVariable();
   const SlotRef ref = store->insert(value, index);
   registerVariable(index, {store.get(), ref.slot, store->dofOf(value), 0, 0, std::string(name)}, optimize);

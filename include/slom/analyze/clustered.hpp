@@ -190,34 +190,35 @@ class Clustered {
   /// Returns the covariance in the tangent space, dof x dof; 0 for components that are fixed or at an active bound. The
   /// contribution of measurements without a group is taken as stated. So is what a single group determines alone, such
   /// as an image its pose: see statedShare.
-  template <class T>
-  Eigen::MatrixXd covariance(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  Eigen::MatrixXd covariance(const V& id) const {
     return jointCovariance(id);
   }
-  template <class A, class B>
-  Eigen::MatrixXd covariance(const VarID<A>& a, const VarID<B>& b) const {
+  template <AnyVariableHandle A, AnyVariableHandle B>
+  Eigen::MatrixXd covariance(const A& a, const B& b) const {
     if (indexOf(a) == indexOf(b)) return jointCovariance(a);
     const Eigen::MatrixXd joint = jointCovariance(a, b);
-    const Eigen::Index n = mtk::dof(*a);
+    const int n = dofOf(indexOf(a));
     return joint.topRightCorner(n, joint.cols() - n);
   }
   /// Returns the joint covariance of several variables in the given order.
-  template <class... T>
-  Eigen::MatrixXd jointCovariance(const VarID<T>&... ids) const {
+  template <AnyVariableHandle... V>
+  Eigen::MatrixXd jointCovariance(const V&... ids) const {
     const int variables[] = {indexOf(ids)...};
-    const Eigen::Index n = (Eigen::Index{0} + ... + mtk::dof(*ids));
+    int n = 0;
+    for (const int variable : variables) n += dofOf(variable);
     Eigen::MatrixXd C(n, n);
-    writeCovariance(variables, static_cast<int>(sizeof...(T)), C.data());
+    writeCovariance(variables, static_cast<int>(sizeof...(V)), C.data());
     return C;
   }
   /// Returns the standard deviation of each component.
-  template <class T>
-  Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  Eigen::VectorXd standardDeviation(const V& id) const {
     return detail::deviations(covariance(id));
   }
   /// Returns the correlation of component i of a with component j of b; 0 if one of them has variance 0.
-  template <class A, class B>
-  Eigen::MatrixXd correlation(const VarID<A>& a, const VarID<B>& b) const {
+  template <AnyVariableHandle A, AnyVariableHandle B>
+  Eigen::MatrixXd correlation(const A& a, const B& b) const {
     const auto inverse = [](double s) { return s > 0 ? 1 / s : 0.0; };
     const Eigen::VectorXd scale_a = standardDeviation(a).unaryExpr(inverse),
                           scale_b = standardDeviation(b).unaryExpr(inverse);
@@ -226,37 +227,37 @@ class Clustered {
   /// Returns Satterthwaite's degrees of freedom of the variance of each component, which measure its reliability. With
   /// several ways of grouping, the smallest counts. Infinite if the variance is the stated one.
   ///   source   Bell and McCaffrey 2002, section 4
-  template <class T>
-  Eigen::VectorXd degreesOfFreedom(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  Eigen::VectorXd degreesOfFreedom(const V& id) const {
     return perComponent(id, Kind::dof);
   }
   /// Returns half the width of the interval that contains each component with this probability, by Student's t.
-  template <class T>
-  Eigen::VectorXd interval(const VarID<T>& id, double probability = 0.95) const {
+  template <AnyVariableHandle V>
+  Eigen::VectorXd interval(const V& id, double probability = 0.95) const {
     return perComponent(id, Kind::interval, probability);
   }
   /// Returns the fraction, 0 to 1, of each component's stated variance that no other group confirms. It comes from
   /// measurements without a group, or one group alone determines it. This part of the clustered variance is the stated
   /// one, and too small if those errors are dependent.
-  template <class T>
-  Eigen::VectorXd statedShare(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  Eigen::VectorXd statedShare(const V& id) const {
     return perComponent(id, Kind::stated_share);
   }
   /// Returns the number of successive groups that are joined for this variable; 1 unless ClusterOptions::ordered.
-  template <class T>
-  int blockLength(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  int blockLength(const V& id) const {
     return blockLengthOf(indexOf(id));
   }
   /// Returns how much each component moves if a group of the first way is left out: groups x dof. The move is one step
   /// from the factor, which is exact for linear problems, or a fit with ClusterOptions::refit. NaN if the other groups
   /// do not determine the component.
-  template <class T>
-  Eigen::MatrixXd change(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  Eigen::MatrixXd change(const V& id) const {
     return influences(id, false);
   }
   /// Returns change(), divided by the standard deviation of each component.
-  template <class T>
-  Eigen::MatrixXd influence(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  Eigen::MatrixXd influence(const V& id) const {
     return influences(id, true);
   }
   /// Returns the names of the groups of the first way, such as `image 17`, in the order of the rows of change().
@@ -275,8 +276,8 @@ class Clustered {
   /// Returns sentences on the limits of these numbers: few groups, measurements without a group, ...
   std::vector<std::string> notes() const;
   /// Returns the general notes and those on this variable: which part of its variance is the stated one, or too small.
-  template <class T>
-  std::vector<std::string> notes(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  std::vector<std::string> notes(const V& id) const {
     return notesOn({indexOf(id)});
   }
 
@@ -288,23 +289,25 @@ class Clustered {
   friend struct detail::AnalysisAccess;
   enum class Kind : std::uint8_t { dof, interval, stated_share };
 
-  template <class T>
-  Eigen::VectorXd perComponent(const VarID<T>& id, Kind kind, double probability = 0) const {
-    Eigen::VectorXd result(mtk::dof(*id));
-    writePerComponent(indexOf(id), kind, probability, result.data());
+  template <AnyVariableHandle V>
+  Eigen::VectorXd perComponent(const V& id, Kind kind, double probability = 0) const {
+    const int variable = indexOf(id);
+    Eigen::VectorXd result(dofOf(variable));
+    writePerComponent(variable, kind, probability, result.data());
     return result;
   }
-  template <class T>
-  Eigen::MatrixXd influences(const VarID<T>& id, bool in_deviations) const {
+  template <AnyVariableHandle V>
+  Eigen::MatrixXd influences(const V& id, bool in_deviations) const {
     const int variable = indexOf(id);
-    Eigen::MatrixXd result(groupCount(), mtk::dof(*id));
+    Eigen::MatrixXd result(groupCount(), dofOf(variable));
     writeInfluences(variable, in_deviations, result.data());
     return result;
   }
-  template <class T>
-  int indexOf(const VarID<T>& id) const {
+  template <AnyVariableHandle V>
+  int indexOf(const V& id) const {
     return problem().indexOf(id);
   }
+  int dofOf(int variable) const { return problem().variables()[static_cast<std::size_t>(variable)].dof; }
   // Results are plain numbers, as in Estimator: Eigen's dynamic types may be allocated otherwise in the compiled
   // library.
   const Problem& problem() const;

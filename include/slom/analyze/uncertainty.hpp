@@ -51,9 +51,8 @@ class Marginals {
  public:
   /// Returns the covariance in the tangent space, dof x dof; 0 for a fixed variable. Throws [slom.stale-marginals] for
   /// a variable that did not exist when the covariances were computed.
-  template <class T>
-  Eigen::MatrixXd covariance(const VarID<T>& id) const {
-    const Place& place = placeOf(id, &typeName<T>);
+  Eigen::MatrixXd covariance(const VariableHandle& id) const {
+    const Place& place = placeOf(id);
     Eigen::MatrixXd result(place.dof, place.dof);
     for (int i = 0; i < place.dof * place.dof; ++i) {
       result.data()[i] = place.start == kFixed ? 0 : numbers_[place.start + static_cast<std::size_t>(i)];
@@ -61,8 +60,7 @@ class Marginals {
     return result;
   }
   /// Returns the standard deviation of each component.
-  template <class T>
-  Eigen::VectorXd standardDeviation(const VarID<T>& id) const {
+  Eigen::VectorXd standardDeviation(const VariableHandle& id) const {
     return detail::deviations(covariance(id));
   }
 
@@ -77,7 +75,7 @@ class Marginals {
     std::size_t start = kFixed;
     int dof = 0;
   };
-  const Place& placeOf(const VariableHandle& id, std::string (*type)()) const;
+  const Place& placeOf(const VariableHandle& id) const;
 
   std::vector<std::shared_ptr<const VariableStoreBase>> stores_;
   std::vector<Place> places_;  // by store and slot

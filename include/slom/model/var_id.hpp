@@ -1,6 +1,7 @@
 /// VarID<T>: the user's handle to a variable of type T.
 #pragma once
 
+#include <concepts>
 #include <memory>
 
 #include "slom/model/variable_store.hpp"
@@ -32,6 +33,7 @@ class VariableHandle {
  protected:
   friend class Marginals;
   friend class Problem;
+  friend class RuntimeType;
   friend class VariableArgument;
 
   bool equals(const VariableHandle& other) const {
@@ -41,6 +43,10 @@ class VariableHandle {
   std::shared_ptr<VariableStoreBase> store_;
   SlotRef ref_;
 };
+
+/// True for the handles of variables: VarID<T> and AnyVarID.
+template <class V>
+concept AnyVariableHandle = std::derived_from<V, VariableHandle>;
 
 /// A handle that reads the current value by `*id` and `id->member`. It is a cheap value type to copy, store and
 /// compare. It stays valid if other variables are inserted or removed. After removeRV it is stale, and reading it

@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <iosfwd>
+#include <memory>
 #include <new>
 #include <string>
+#include <typeinfo>
 #include <vector>
 
 #include "mtk/manifold.hpp"
@@ -33,6 +35,18 @@ std::string textOf(const void* value, void (*write)(std::ostream&, const void*))
 [[noreturn]] void raiseStaleHandle(std::string (*type)(), bool was_valid);
 /// Throws for a handle that is not a VarID; `handle` names it.
 [[noreturn]] void raiseStaleHandle(const std::string& handle, bool was_valid);
+
+/// Writes the matrices of the rotations in x, whose first component is `first`, to the diagonal of A, which has n rows.
+template <class T>
+void writeLeftPerturbation(const T& x, int first, double* A, int n) {
+  mtk::detail::forEachBasicPart(x, x, first, [&](const auto& part, const auto&, int at) {
+    if constexpr (requires { part.toRotationMatrix(); } &&
+                  mtk::DOF_v<std::remove_cvref_t<decltype(part)>> == 3) {
+      const auto R = part.toRotationMatrix();
+      for (int i = 0; i < 9; ++i) A[(at + i / 3) * n + at + i % 3] = R(i / 3, i % 3);
+    }
+  });
+}
 }  // namespace detail
 
 /// The values of all variables of one type. Code that does not depend on the type is compiled once. Derived classes
@@ -43,6 +57,10 @@ class VariableStoreBase {
   VariableStoreBase(const VariableStoreBase&) = delete;
   VariableStoreBase& operator=(const VariableStoreBase&) = delete;
 
+  /// Returns whether values of the two stores have the same type.
+  virtual bool hasTypeOf(const VariableStoreBase& other) const { return typeid(*this) == typeid(other); }
+  /// Returns a store for values of the same type, with no variables.
+  virtual std::unique_ptr<VariableStoreBase> makeEmpty() const = 0;
   /// Returns the name of T for messages.
   virtual std::string typeName() const = 0;
   /// Returns a name for each degree of freedom, with `path` in front: `pose.pos.x`.
@@ -143,6 +161,7 @@ class VariableStore final : public VariableStoreBase {
   VariableStore();
   ~VariableStore() override;
 
+  std::unique_ptr<VariableStoreBase> makeEmpty() const override;
   std::string typeName() const override;
   std::vector<std::string> componentNames(std::uint32_t slot, const std::string& path) const override;
   std::string valueText(std::uint32_t slot) const override;
@@ -165,6 +184,10 @@ VariableStore<T>::VariableStore() : VariableStoreBase(sizeof(T), alignof(T)) {}
 template <class T>
 VariableStore<T>::~VariableStore() {
   clear();
+}
+template <class T>
+std::unique_ptr<VariableStoreBase> VariableStore<T>::makeEmpty() const {
+  return std::make_unique<VariableStore>();
 }
 template <class T>
 std::string VariableStore<T>::typeName() const {
@@ -224,13 +247,7 @@ void VariableStore<T>::leftPerturbation(const void* value, double* A) const {
   const int n = dofOf(value);
   for (int i = 0; i < n * n; ++i) A[i] = i % (n + 1) == 0 ? 1 : 0;
   const T& x = *static_cast<const T*>(value);
-  mtk::detail::forEachBasicPart(x, x, 0, [&](const auto& part, const auto&, int at) {
-    if constexpr (requires { part.toRotationMatrix(); } &&
-                  mtk::DOF_v<std::remove_cvref_t<decltype(part)>> == 3) {
-      const auto R = part.toRotationMatrix();
-      for (int i = 0; i < 9; ++i) A[(at + i / 3) * n + at + i % 3] = R(i / 3, i % 3);
-    }
-  });
+  detail::writeLeftPerturbation(x, 0, A, n);
 }
 template <class T>
 void VariableStore<T>::coordinates(const void* value, double* out) const {

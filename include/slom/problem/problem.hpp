@@ -17,6 +17,7 @@
 #include "slom/model/index_set.hpp"
 #include "slom/model/meas_id.hpp"
 #include "slom/model/pimpl.hpp"
+#include "slom/model/runtime_type.hpp"
 #include "slom/problem/change_log.hpp"
 #include "slom/problem/typed_pool.hpp"
 
@@ -43,6 +44,9 @@ class Problem {
     mtk::requireManifold<T>();
     return VarID<T>(insertVariable(typeid(T), &makeVariableStore<T>, &value, optimize, name));
   }
+  /// Adds a variable of a type that is described at run time. `value`: its numbers, type->coordinates() of them.
+  VariableHandle insertVariable(const std::shared_ptr<const RuntimeType>& type, const double* value,
+                                bool optimize, std::string_view name);
   /// Returns the index of the variable in the table. Throws [slom.stale-handle] if it is not in this problem.
   template <class T>
   int indexOf(const VarID<T>& id) const {
@@ -72,6 +76,8 @@ class Problem {
   void setValue(const VarID<T>& id, const T& value) {
     setValue(indexOf(id), &value);
   }
+  /// Sets the value of a variable, of its type.
+  void setValue(int variable, const void* value);
   /// Sets the value of a variable without any check.
   void overwrite(int variable, const void* value);
   /// Fixes a variable at its current value, or releases it.
@@ -231,14 +237,14 @@ class Problem {
   };
   struct TypedStore {
     std::type_index type;
-    VariableStoreBase* (*make)();
     std::shared_ptr<VariableStoreBase> store;
     std::vector<StoreOrigin> origins{};
   };
   // Code about containers, compiled once and not in every file that inserts something.
   VariableHandle insertVariable(std::type_index type, VariableStoreBase* (*make)(), const void* value,
                                 bool optimize, std::string_view name);
-  void setValue(int variable, const void* value);
+  VariableHandle insertInto(const std::shared_ptr<VariableStoreBase>& store, const void* value, bool optimize,
+                            std::string_view name);
   /// Inserts `measurement`, which is of this type and is moved from. `arguments` are its variables.
   std::pair<MeasurementPool*, SlotRef> insertMeasurement(const MeasurementType& type, void* measurement,
                                                          VariableArgument* const* arguments,

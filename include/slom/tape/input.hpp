@@ -9,6 +9,7 @@
 
 #include "mtk/rebind.hpp"
 #include "mtk/types/s2.hpp"
+#include "slom/model/runtime_type.hpp"
 #include "slom/model/type_name.hpp"
 #include "slom/tape/recording.hpp"
 #include "slom/tape/rotation.hpp"
@@ -24,6 +25,11 @@ namespace slom::tape {
 
 /// Where the coordinates of a type lie in memory: distances from the start of the object [bytes].
 using Layout = std::vector<std::uint32_t>;
+
+/// Returns the type of variables that is described at run time, as tapes know it.
+VariableType typeOf(const RuntimeType& type);
+/// Returns where its coordinates lie.
+Layout layoutOf(const RuntimeType& type);
 
 namespace detail {
 
