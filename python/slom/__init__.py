@@ -7,7 +7,34 @@
     print(est.optimize(), centre.value, centre.std)
 """
 
-from ._slom import Condition, Error, Estimator, Number, Summary, Variable
+from ._error import Error, SlowFunctionWarning
+from ._manifold import manifold
+from ._prior import prior as _prior
+from ._propagated import Propagated
+from ._slom import (
+    Barron,
+    Cauchy,
+    Condition,
+    Estimator,
+    Fit,
+    FixedLag,
+    GemanMcClure,
+    Huber,
+    Measurements,
+    Number,
+    PseudoHuber,
+    Rows,
+    S2,
+    SE2,
+    SE3,
+    SO2,
+    SO3,
+    Tukey,
+    Variable,
+    VariableArray,
+)
 from ._where import where
 
-__all__ = ["Condition", "Error", "Estimator", "Number", "Summary", "Variable", "where"]
+Estimator.prior = _prior
+
+__all__ = [name for name in dir() if not name.startswith("_")]

@@ -1,158 +1,132 @@
 // slom._slom: the library as Python sees it. Names, shapes and errors are translated; nothing is computed here.
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <nanobind/eigen/dense.h>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <slom/fixed_lag.hpp>
+#include <slom/optimize/named.hpp>
 #include <slom/slom.hpp>
-#include <slom/tape.hpp>
 
+#include "manifolds.hpp"
+#include "measure.hpp"
 #include "recorded.hpp"
-#include "variables.hpp"
+#include "reports.hpp"
 
 namespace slom::python {
+
+using namespace nb::literals;
+
 namespace {
 
-/// A variable of an estimator.
-struct Variable {
-  std::shared_ptr<Estimator> est;
-  AnyVarID id;
-  const VariableKind* kind;
-};
-
-/// An argument of a measurement function: a variable, one for each row, or columns of data.
-struct Argument {
-  std::vector<Variable> variables;  ///< one, or one for each row
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> data;
-  std::vector<std::size_t> shape;  ///< of a row of the data
-
-  bool isData() const { return variables.empty(); }
-};
-
-[[noreturn]] void raiseArgument(std::size_t i, const std::string& what) {
-  throw mtk::Error("slom.bad-argument",
-                   "argument " + std::to_string(i + 1) + " of the measurement function " + what, "measure");
+[[noreturn]] void raiseOption(const std::string& name, const std::string& value,
+                              const std::string& accepted) {
+  throw mtk::Error("slom.bad-option", name + " is \"" + value + "\"; pass " + accepted, name);
 }
 
-Argument argumentOf(nb::handle value, std::size_t i) {
-  Argument argument;
-  if (nb::isinstance<Variable>(value)) {
-    argument.variables.push_back(nb::cast<Variable>(value));
-    return argument;
+/// Ends a fit when the user presses Ctrl-C, and keeps the exception.
+class Interrupt {
+ public:
+  bool operator()() {
+    const nb::gil_scoped_acquire gil;
+    if (!error_ && PyErr_CheckSignals() != 0) error_.emplace();
+    return error_.has_value();
   }
-  if ((nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) && nb::len(value) > 0 &&
-      nb::isinstance<Variable>(value[0])) {
-    for (const nb::handle one : value) {
-      if (!nb::isinstance<Variable>(one))
-        raiseArgument(i, "is a list in which not all entries are variables; pass variables alone");
-      argument.variables.push_back(nb::cast<Variable>(one));
-    }
-    return argument;
+  /// Raises the exception, if there is one.
+  void raise() {
+    if (error_) throw nb::python_error(std::move(*error_));
   }
-  const nb::object numpy = nb::module_::import_("numpy");
-  nb::object array = numpy.attr("asarray")(value);
-  if (nb::cast<std::string>(array.attr("dtype").attr("kind")) == "O")
-    raiseArgument(i, "is an array of objects; pass numbers, all rows of one length");
-  array = numpy.attr("asarray")(array, "float64", "C");
-  const auto shape = nb::cast<std::vector<std::size_t>>(array.attr("shape"));
-  if (shape.empty())
-    raiseArgument(i, "is a single number; pass one value for each row, or make it part of the function");
-  if (PyObject_IsTrue(nb::object(numpy.attr("isfinite")(array).attr("all")()).ptr()) != 1)
-    raiseArgument(i, "has a number that is not finite; remove such rows");
-  argument.shape.assign(shape.begin() + 1, shape.end());
-  argument.data = nb::cast<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-      array.attr("reshape")(shape[0], -1));
-  return argument;
-}
 
-/// Inserts a measurement that is recorded already, as slom::traced does.
-struct Recorded {
-  using Traced = TracedMeasurement;
-  TracedMeasurement* measurement;
-
-  static MeasID<TracedMeasurement> insert(Problem& problem, const Recorded& recorded, const NoiseView& noise,
-                                          std::string_view label, const Loss& loss) {
-    return insertTraced(problem, *recorded.measurement, noise, label, loss);
-  }
+ private:
+  std::optional<nb::python_error> error_;
 };
 
-/// Records the function and inserts a measurement for each row. Returns their number.
-std::size_t measure(const std::shared_ptr<Estimator>& est, const nb::callable& f, const nb::args& passed,
-                    std::optional<double> sigma, const std::string& name) {
-  std::vector<Argument> arguments;
-  std::size_t rows = 1;
-  bool has_rows = false;
-  for (std::size_t i = 0; i < passed.size(); ++i) {
-    arguments.push_back(argumentOf(passed[i], i));
-    const Argument& argument = arguments.back();
-    const std::size_t own = argument.isData() ? std::size_t(argument.data.rows()) : argument.variables.size();
-    if (!argument.isData() && own == 1) continue;
-    if (has_rows && own != rows)
-      raiseArgument(i, "has " + std::to_string(own) + " rows where earlier ones have " +
-                           std::to_string(rows) + "; pass the same number of rows");
-    rows = own;
-    has_rows = true;
+Fit optimize(const Shared& est, std::optional<int> max_iterations, std::optional<double> max_seconds,
+             std::optional<double> gradient_tolerance, std::optional<double> decrease_tolerance,
+             std::optional<double> step_tolerance, std::optional<double> deviation_tolerance,
+             bool graduated_non_convexity, std::optional<int> most_parameters,
+             const std::optional<nb::callable>& observer) {
+  Options options;
+  if (max_iterations) options.max_iterations = *max_iterations;
+  if (max_seconds) options.max_seconds = *max_seconds;
+  if (gradient_tolerance) options.gradient_tolerance = *gradient_tolerance;
+  if (decrease_tolerance) options.decrease_tolerance = *decrease_tolerance;
+  if (step_tolerance) options.step_tolerance = *step_tolerance;
+  if (deviation_tolerance) options.deviation_tolerance = *deviation_tolerance;
+  if (most_parameters) options.most_parameters = *most_parameters;
+  options.graduated_non_convexity = graduated_non_convexity;
+  Interrupt interrupt;
+  options.should_stop = [&] { return interrupt(); };
+  if (observer) {
+    options.observer = [f = observer->ptr()](const IterationRecord& record) {
+      const nb::gil_scoped_acquire gil;
+      const nb::object answer = nb::handle(f)(record);
+      return answer.is(nb::handle(Py_False)) ? FitControl::stop : FitControl::go_on;
+    };
   }
-  if (rows == 0) return 0;
-
-  std::shared_ptr<const TracedKind> kind;
+  Fit fit{est, {}};
   {
-    tape::Recording recording;
-    nb::list proxies;
-    std::vector<std::type_index> types;
-    std::vector<tape::Layout> layouts;
-    for (const Argument& argument : arguments) {
-      if (argument.isData()) {
-        std::vector<tape::Number> numbers;
-        for (Eigen::Index k = 0; k < argument.data.cols(); ++k)
-          numbers.push_back(recording.data(argument.data(0, k)));
-        proxies.append(arrayOf(numbers, argument.shape));
-      } else {
-        const Variable& x = argument.variables.front();
-        proxies.append(x.kind->recorded(recording, x.id));
-        types.push_back(x.kind->type());
-        layouts.push_back(x.kind->layout(x.id));
-      }
-    }
-    const nb::object result = f(*nb::tuple(proxies));
-    std::vector<tape::Number> residual;
-    appendNumbers(result, residual);
-    kind = TracedKind::shared(recording.finish(residual), std::move(types), std::move(layouts));
+    const nb::gil_scoped_release unlocked;
+    fit.summary = est->optimize(options);
   }
-
-  const StandardDeviation<double> noise(sigma.value_or(1.0));
-  const std::string label =
-      name.empty() ? nb::cast<std::string>(nb::str(nb::getattr(f, "__name__", nb::str("function")))) : name;
-  for (std::size_t row = 0; row < rows; ++row) {
-    TracedMeasurement measurement;
-    measurement.kind = kind;
-    for (const Argument& argument : arguments) {
-      if (argument.isData()) {
-        const double* const numbers = argument.data.data() + std::ptrdiff_t(row) * argument.data.cols();
-        measurement.data.insert(measurement.data.end(), numbers, numbers + argument.data.cols());
-      } else {
-        const Variable& x = argument.variables[argument.variables.size() == 1 ? 0 : row];
-        measurement.variables.emplace_back(x.id);
-      }
-    }
-    est->insertMeasurement(Recorded{&measurement}, noise, named(label));
-  }
-  return rows;
+  interrupt.raise();
+  return fit;
 }
 
-template <class T>
-std::string textOf(const T& x) {
-  std::ostringstream text;
-  text << x;
-  return text.str();
+Variable variable(const Shared& est, nb::handle value, const std::string& name, bool optimize) {
+  const std::string subject = name.empty() ? "the start value of a variable" : "the start value of " + name;
+  const auto type = ValueType::of(value, subject);
+  std::vector<double> numbers;
+  type->append(value, numbers, subject);
+  return {est, est->insertRV(RuntimeValue{type->runtime(), std::move(numbers)}, optimize, name), type};
+}
+
+VariableArray variables(const Shared& est, nb::handle values, const std::string& name, bool optimize) {
+  const Rows rows = rowsOf(values, "the start values" + (name.empty() ? "" : " of " + name));
+  VariableArray all{est, {}, rows.type};
+  all.ids.reserve(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const RuntimeValue value{rows.type->runtime(), {rows.row(i), rows.row(i) + rows.type->coordinates()}};
+    all.ids.push_back(
+        est->insertRV(value, optimize, name.empty() ? "" : name + "[" + std::to_string(i) + "]"));
+  }
+  return all;
+}
+
+/// Returns f(values) and its covariance.
+nb::object propagate(const Estimator& est, nb::handle f, const nb::args& passed, nb::handle covariance) {
+  std::vector<Variable> variables;
+  std::vector<AnyVarID> ids;
+  for (const nb::handle x : passed) {
+    handlesOf(x);  // names what is no variable
+    variables.push_back(nb::cast<Variable>(x));
+    ids.push_back(variables.back().id);
+  }
+  const Derived derived = derivedFrom(f, variables);
+  const Eigen::MatrixXd C =
+      covariance.is_none() ? est.jointCovariance(ids) : nb::cast<Eigen::MatrixXd>(covariance);
+  detail::requireCovarianceSize(C.rows(), C.cols(), static_cast<int>(derived.jacobian.cols()));
+  const Eigen::MatrixXd result = derived.jacobian * C * derived.jacobian.transpose();
+  return nb::module_::import_("slom._propagated")
+      .attr("Propagated")(derived.type->value(derived.numbers.data()), result);
+}
+
+/// Raises slom.Error with the parts of an error of the library.
+void setError(nb::handle type, const mtk::Error& error, const std::exception& whole) {
+  nb::object exception = type(whole.what());
+  exception.attr("id") = error.id();
+  exception.attr("subject") = error.subject();
+  exception.attr("sentence") = std::string(error.sentence());
+  exception.attr("remedy") = std::string(error.remedy());
+  PyErr_SetObject(type.ptr(), exception.ptr());
 }
 
 }  // namespace
@@ -162,62 +136,163 @@ NB_MODULE(_slom, module) {
   namespace nb = nanobind;
   using namespace nb::literals;
   using namespace slom::python;
-  using slom::Estimator;
-  using slom::Summary;
+  using slom::Estimator, slom::AnyVarID;
   module.doc() = "Sparse least squares on manifolds.";
-  nb::exception<mtk::Error>(module, "Error");
+
+  static nb::object error = nb::module_::import_("slom._error").attr("Error");
+  nb::register_exception_translator(
+      [](const std::exception_ptr& exception, void* type) {
+        try {
+          std::rethrow_exception(exception);
+        } catch (const mtk::Error& thrown) {
+          setError(nb::handle(static_cast<PyObject*>(type)), thrown, thrown);
+        }
+      },
+      error.ptr());
+  module.def("_raise", [](const std::string& id, const std::string& sentence, const std::string& subject) {
+    throw mtk::Error(id, sentence, subject);
+  });
+
   bindNumbers(module);
+  bindManifolds(module);
+  bindRows(module);
+  bindVariables(module);
 
-  nb::class_<Summary>(module, "Summary", "What a fit did, and why it stopped.")
-      .def_ro("converged", &Summary::converged)
-      .def_ro("iterations", &Summary::iterations)
-      .def_ro("initial_rss", &Summary::initial_rss)
-      .def_ro("final_rss", &Summary::final_rss)
-      .def_ro("redundancy", &Summary::redundancy)
-      .def_ro("message", &Summary::message)
-      .def("__str__", &textOf<Summary>)
-      .def("__repr__", &textOf<Summary>);
-
-  nb::class_<Variable>(module, "Variable", "A variable of an estimator.")
-      .def_prop_rw(
-          "value", [](const Variable& x) { return x.kind->value(x.id); },
-          [](const Variable& x, nb::handle value) { x.kind->set(*x.est, x.id, value); }, "The current value.")
-      .def_prop_ro("name", [](const Variable& x) { return x.kind->name(*x.est, x.id); })
+  nb::class_<Estimator> estimator(
+      module, "Estimator", "Variables, measurements, and the fit of the variables to the measurements.",
+      nb::dynamic_attr());
+  bindMeasure(module, estimator);
+  bindReports(module, estimator);
+  estimator.def(nb::init<>())
+      .def(
+          "variable", &variable, "value"_a, "name"_a = "", "optimize"_a = true,
+          "Adds a variable with its start value: a number, an array, SO2, SO3, S2, SE2, SE3, or an instance of a class "
+          "decorated with slom.manifold. With optimize=False it keeps that value.")
+      .def("variables", &variables, "values"_a, "name"_a = "", "optimize"_a = true,
+           "Adds a variable for each row of an array, entry of a list, or row of slom.Rows.")
+      .def(
+          "optimize", &optimize, nb::kw_only(), "max_iterations"_a = nb::none(), "max_seconds"_a = nb::none(),
+          "gradient_tolerance"_a = nb::none(), "decrease_tolerance"_a = nb::none(),
+          "step_tolerance"_a = nb::none(), "deviation_tolerance"_a = nb::none(),
+          "graduated_non_convexity"_a = false, "most_parameters"_a = nb::none(), "observer"_a = nb::none(),
+          "Fits the variables. Returns what the fit did, and why it stopped. Ctrl-C ends the fit with the best values "
+          "reached. `observer` is called after each iteration; if it returns False, the fit ends.")
+      .def(
+          "update",
+          [](Estimator& est, double tolerance, int max_steps, double budget, bool reconsider) {
+            return est.update({tolerance, max_steps, budget, reconsider});
+          },
+          nb::kw_only(), "tolerance"_a = 1e-6, "max_steps"_a = 100,
+          "budget"_a = std::numeric_limits<double>::infinity(), "reconsider"_a = false,
+          nb::call_guard<nb::gil_scoped_release>(),
+          "Brings the values to the optimum after changes, in time proportional to what they affect.")
+      .def(
+          "residuals", [](const Estimator& est) { return Eigen::VectorXd(est.residuals()); },
+          "Returns all residuals in units of their standard deviations.")
       .def_prop_ro(
-          "std",
-          [](const Variable& x) -> nb::object {
-            const Eigen::VectorXd std = x.kind->deviation(*x.est, x.id);
-            const bool is_number = nb::isinstance<nb::float_>(x.kind->value(x.id));
-            return is_number ? nb::object(nb::float_(std[0])) : nb::cast(std);
+          "rss", [](const Estimator& est) { return est.getRSS(); }, "The sum of squared whitened residuals.")
+      .def_prop_ro("warnings", &Estimator::warnings,
+                   "A sentence for each variable that no measurement depends on.")
+      .def(
+          "remove",
+          [](Estimator& est, nb::handle variables) {
+            for (const AnyVarID& id : handlesOf(variables)) est.removeRV(id);
           },
-          "Standard deviations of the components.")
-      .def_prop_ro("covariance", [](const Variable& x) { return x.kind->covariance(*x.est, x.id); })
+          "variables"_a, "Removes variables that no measurement depends on.")
       .def(
-          "fix", [](const Variable& x) { x.kind->fix(*x.est, x.id, true); },
-          "Keeps the variable at its value.")
+          "marginalize",
+          [](Estimator& est, nb::handle variables, bool first_estimates) {
+            est.marginalize(handlesOf(variables), {.first_estimates = first_estimates});
+          },
+          "variables"_a, nb::kw_only(), "first_estimates"_a = false,
+          "Removes variables and keeps what their measurements say about others.")
       .def(
-          "free", [](const Variable& x) { x.kind->fix(*x.est, x.id, false); }, "Releases the variable.")
-      .def("__repr__", [](const Variable& x) {
-        return x.kind->name(*x.est, x.id) + " = " + nb::cast<std::string>(nb::str(x.kind->value(x.id)));
-      });
+          "covariance",
+          [](const Estimator& est, const nb::args& variables) {
+            std::vector<AnyVarID> ids;
+            for (const nb::handle one : variables) {
+              const std::vector<AnyVarID> own = handlesOf(one);
+              ids.insert(ids.end(), own.begin(), own.end());
+            }
+            return Eigen::MatrixXd(est.jointCovariance(ids));
+          },
+          "variables"_a,
+          "Returns the joint covariance of variables in the given order, in their tangent spaces.")
+      .def(
+          "correlation",
+          [](const Estimator& est, const Variable& a, const Variable& b) {
+            return Eigen::MatrixXd(est.correlation(a.id, b.id));
+          },
+          "a"_a, "b"_a, "Returns the correlations of the components of two variables.")
+      .def("propagate", &propagate, "function"_a, "variables"_a, nb::kw_only(), "covariance"_a = nb::none(),
+           "Returns f(variables) with its covariance to first order.")
+      .def(
+          "clone", [](const Estimator& est) { return std::make_shared<Estimator>(est.clone()); },
+          "Returns a copy, which is fitted independently.")
+      .def(
+          "own",
+          [](const std::shared_ptr<Estimator>& est, const Variable& x) {
+            const auto& table = est->table();
+            return Variable{est, AnyVarID(table.handleOf(table.indexOf(x.id))), x.type};
+          },
+          "variable"_a, "Returns this estimator's variable for one of the estimator that it was cloned from.")
+      .def_prop_rw(
+          "sigma",
+          [](const Estimator& est) { return est.sigma() == slom::Sigma::known ? "known" : "estimated"; },
+          [](Estimator& est, const std::string& sigma) {
+            if (sigma != "known" && sigma != "estimated")
+              raiseOption("sigma", sigma, "\"known\" or \"estimated\"");
+            est.setSigma(sigma == "known" ? slom::Sigma::known : slom::Sigma::estimated);
+          },
+          "What standard deviations trust: the stated uncertainties (\"known\"), or only their ratios (\"estimated\").")
+      .def_prop_rw(
+          "free_gauge",
+          [](const Estimator& est) {
+            return est.freeGauge() == slom::FreeGauge::error ? "error" : "inner_constraints";
+          },
+          [](Estimator& est, const std::string& gauge) {
+            if (gauge != "error" && gauge != "inner_constraints")
+              raiseOption("free_gauge", gauge, "\"error\" or \"inner_constraints\"");
+            est.setFreeGauge(gauge == "error" ? slom::FreeGauge::error : slom::FreeGauge::inner_constraints);
+          },
+          "What a free gauge does: an \"error\" at covariances, or a free network (\"inner_constraints\").")
+      .def(
+          "use_algorithm",
+          [](Estimator& est, const std::string& name) {
+            const slom::NamedAlgorithm* const found = slom::algorithmNamed(name);
+            if (found == nullptr) {
+              std::string names;
+              for (const slom::NamedAlgorithm& one : slom::algorithms())
+                names += (names.empty() ? "" : ", ") + std::string(one.name);
+              raiseOption("the algorithm", name, "one of " + names);
+            }
+            est.changeAlgorithm(found->make().release());
+          },
+          "name"_a,
+          "Sets the algorithm by its name: the names are those of the command's option --algorithm.")
+      .def("set_threads", &Estimator::setThreads, "threads"_a,
+           "Sets the largest number of threads; 0: all of the machine.");
 
-  nb::class_<Estimator>(module, "Estimator",
-                        "Variables, measurements, and the fit of the variables to the measurements.")
-      .def(nb::init<>())
+  nb::class_<slom::FixedLag>(module, "FixedLag", "A window over the newest variables of an estimator.")
       .def(
-          "variable",
-          [](const std::shared_ptr<Estimator>& est, nb::handle value, const std::string& name,
-             bool optimize) {
-            const VariableKind& kind = kindOf(value);
-            return Variable{est, kind.insert(*est, value, name, optimize), &kind};
+          "__init__",
+          [](slom::FixedLag* self, std::optional<int> variables, double duration, bool first_estimates) {
+            slom::FixedLagOptions options;
+            if (variables) options.variables = *variables;
+            options.duration = duration;
+            options.first_estimates = first_estimates;
+            new (self) slom::FixedLag(options);
           },
-          "value"_a, "name"_a = "", "optimize"_a = true,
-          "Adds a variable with its start value: a number, or an array of one dimension.")
-      .def("measure", &measure, "function"_a, "arguments"_a, nb::kw_only(), "sigma"_a = nb::none(),
-           "name"_a = "", "Adds a measurement for each row of the data. Returns their number.")
+          nb::kw_only(), "variables"_a = nb::none(), "duration"_a = std::numeric_limits<double>::infinity(),
+          "first_estimates"_a = false)
       .def(
-          "optimize", [](Estimator& est) { return est.optimize(); }, nb::call_guard<nb::gil_scoped_release>(),
-          "Fits the variables. Returns what the fit did, and why it stopped.")
-      .def("residuals", &Estimator::residuals,
-           "Returns all residuals in units of their standard deviations.");
+          "add",
+          [](slom::FixedLag& window, const Variable& x, std::optional<double> time) {
+            time ? window.add(x.id, *time) : window.add(x.id);
+          },
+          "variable"_a, "time"_a = nb::none(),
+          "Adds a variable with its time; without one, 1 after the newest.")
+      .def("forget", &slom::FixedLag::forget, "estimator"_a,
+           "Marginalises the variables that are too old. Returns their number.")
+      .def("__len__", &slom::FixedLag::size);
 }

@@ -1,0 +1,17 @@
+class Error(Exception):
+    """A mistake of the caller, or input that cannot be used. Its text is `[id] sentence`.
+
+    id        stable between versions, such as `slom.bad-option`
+    subject   the name of the thing: a variable, an option, an argument, a file; empty if nothing has a name
+    sentence  the fault and the remedy
+    remedy    what to do; empty if there is none
+    """
+
+    id = ""
+    subject = ""
+    sentence = ""
+    remedy = ""
+
+
+class SlowFunctionWarning(UserWarning):
+    """A measurement function cannot be recorded. It is called for each measurement, with numeric derivatives."""

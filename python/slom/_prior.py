@@ -1,0 +1,29 @@
+import numpy as np
+
+
+def prior(self, variable, value, sigma=None, *, covariance=None, information=None, path="", loss=None, name="prior"):
+    """Adds prior knowledge of a variable, or of its component at a path such as "pos.z": a measurement of its value with
+    a standard deviation, a covariance or an information matrix. Returns the measurement."""
+    options = {} if loss is None else {"loss": loss}
+    measured = [value] if not isinstance(value, (float, int)) else np.array([value], float)
+    if isinstance(value, np.ndarray):
+        measured = value[None]
+    return self.measure(
+        lambda x: _component(x, path),
+        variable,
+        measured=measured,
+        sigma=sigma,
+        covariance=covariance,
+        information=information,
+        name=name,
+        **options,
+    )
+
+
+def _component(x, path):
+    for name in path.split(".") if path else ():
+        if isinstance(x, np.ndarray):
+            x = x["xyz".index(name) if name in ("x", "y", "z") else int(name)]
+        else:
+            x = getattr(x, name)
+    return x

@@ -1,0 +1,20 @@
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Propagated:
+    """A quantity computed from variables."""
+
+    value: Any
+    covariance: np.ndarray  #: in the tangent space of the value
+
+    @property
+    def std(self):
+        """Standard deviations: a number for a number, an array of the shape of an array."""
+        deviations = np.sqrt(np.diag(self.covariance))
+        if isinstance(self.value, float):
+            return float(deviations[0])
+        return deviations.reshape(self.value.shape) if isinstance(self.value, np.ndarray) else deviations

@@ -1,0 +1,415 @@
+#include "value_type.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nanobind/eigen/dense.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "manifolds.hpp"
+#include "recorded.hpp"
+#include "slom/tape/rotation.hpp"
+
+namespace slom::python {
+
+using Kind = RuntimeType::Kind;
+using tape::Number;
+
+namespace {
+
+[[noreturn]] void raiseValue(const std::string& subject, const std::string& fault,
+                             const std::string& remedy) {
+  throw mtk::Error("slom.bad-value", subject + " " + fault + "; " + remedy, subject);
+}
+
+std::string typeNameOf(nb::handle x) { return nb::cast<std::string>(x.type().attr("__name__")); }
+
+std::string textOf(const std::vector<std::size_t>& shape) {
+  std::string text = "(";
+  for (std::size_t i = 0; i < shape.size(); ++i) text += (i == 0 ? "" : ", ") + std::to_string(shape[i]);
+  return text + (shape.size() == 1 ? ",)" : ")");
+}
+
+nb::object numpy() { return nb::module_::import_("numpy"); }
+
+/// Returns x as an array of float64. Throws [slom.bad-value].
+nb::object arrayFrom(nb::handle x, const std::string& subject) {
+  nb::object array;
+  try {
+    array = numpy().attr("asarray")(x);
+  } catch (const nb::python_error&) {
+    raiseValue(subject, "is an array whose rows have different lengths",
+               "pass numbers, all rows of one length");
+  }
+  if (nb::cast<std::string>(array.attr("dtype").attr("kind")).find_first_of("biuf") == std::string::npos) {
+    raiseValue(
+        subject, "is of type " + typeNameOf(x) + " and holds no real numbers",
+        "pass a number, an array, one of SO2, SO3, S2, SE2 and SE3, or an instance of a class decorated with "
+        "slom.manifold");
+  }
+  return numpy().attr("ascontiguousarray")(array, "float64").attr("reshape")(array.attr("shape"));
+}
+
+std::vector<std::size_t> shapeOf(nb::handle array) {
+  return nb::cast<std::vector<std::size_t>>(nb::tuple(array.attr("shape")));
+}
+
+void appendArray(nb::handle array, std::vector<double>& numbers) {
+  const auto flat = nb::cast<Eigen::VectorXd>(array.attr("ravel")());
+  numbers.insert(numbers.end(), flat.begin(), flat.end());
+}
+
+template <class T>
+bool isA(nb::handle x) {
+  return nb::isinstance<T>(x);
+}
+template <class R>
+void appendPose(const mtk::trafo<R>& T, std::vector<double>& numbers) {
+  numbers.insert(numbers.end(), T.pos.begin(), T.pos.end());
+  if constexpr (R::DOF == 1) {
+    numbers.push_back(T.orient.angle());
+  } else {
+    numbers.insert(numbers.end(), T.orient.coeffs().begin(), T.orient.coeffs().end());
+  }
+}
+
+/// Returns the next N numbers as a vector.
+template <int N, class S>
+mtk::vect<N, S> take(const S*& numbers) {
+  mtk::vect<N, S> v;
+  for (int i = 0; i < N; ++i) v[i] = *numbers++;
+  return v;
+}
+template <class S>
+mtk::SO2<S> takeSO2(const S*& numbers, const S*& tangent) {
+  if (tangent != nullptr) ++tangent;
+  mtk::SO2<S> R;
+  mtk::detail::stateOf(R) = *numbers++;
+  return R;
+}
+template <class S>
+mtk::SO3<S> takeSO3(const S*& numbers, const S*& tangent) {
+  const mtk::vect<4, S> q = take<4>(numbers);
+  if constexpr (std::is_same_v<S, Number>) {
+    mtk::SO3<Number>::Tangent right;
+    if (tangent != nullptr) {
+      right = {tangent[0], tangent[1], tangent[2]};
+      tangent += 3;
+    }
+    return mtk::SO3<Number>(mtk::SO3<Number>::Coefficients(q[0], q[1], q[2], q[3]), right);
+  } else {
+    mtk::SO3<S> R;
+    mtk::detail::stateOf(R) = q;
+    return R;
+  }
+}
+template <class S>
+mtk::S2<S> takeS2(const S*& numbers, const S*& tangent) {
+  if (tangent != nullptr) tangent += 2;
+  mtk::S2<S> v;
+  mtk::detail::stateOf(v) = take<3>(numbers);
+  return v;
+}
+
+}  // namespace
+
+std::shared_ptr<const ValueType> ValueType::of(nb::handle value, const std::string& subject) {
+  const std::shared_ptr<ValueType> type(new ValueType);
+  if (isA<mtk::SO2<double>>(value)) {
+    type->kind_ = Kind::so2;
+  } else if (isA<mtk::SO3<double>>(value)) {
+    type->kind_ = Kind::so3;
+  } else if (isA<mtk::S2<double>>(value)) {
+    type->kind_ = Kind::s2;
+  } else if (isA<SE2<double>>(value)) {
+    type->kind_ = Kind::se2;
+  } else if (isA<SE3<double>>(value)) {
+    type->kind_ = Kind::se3;
+  } else if (nb::hasattr(value.type(), "__slom_fields__")) {
+    type->is_compound_ = true;
+    type->class_ = nb::borrow(value.type());
+    for (const nb::handle field : nb::object(value.type().attr("__slom_fields__"))) {
+      const auto name = nb::cast<std::string>(field);
+      type->members_.emplace_back(name, of(value.attr(name.c_str()), subject + "." + name));
+    }
+  } else {
+    return array(shapeOf(arrayFrom(value, subject)));
+  }
+  type->finish();
+  return type;
+}
+
+std::shared_ptr<const ValueType> ValueType::array(std::vector<std::size_t> shape) {
+  const std::shared_ptr<ValueType> type(new ValueType);
+  type->kind_ = shape.empty() ? Kind::number : Kind::vector;
+  type->shape_ = std::move(shape);
+  type->finish();
+  return type;
+}
+
+void ValueType::finish() {
+  std::vector<RuntimeType::Field> fields;
+  appendFields("", fields);
+  std::string name = is_compound_ ? nb::cast<std::string>(class_.attr("__name__")) : "";
+  if (!is_compound_) {
+    constexpr const char* names[] = {"number", "vector", "SO2", "SO3", "S2", "SE2", "SE3"};
+    name = names[static_cast<int>(kind_)] + (kind_ == Kind::vector ? textOf(shape_) : "");
+  }
+  runtime_ = RuntimeType::make(std::move(name), std::move(fields));
+}
+
+void ValueType::appendFields(const std::string& path, std::vector<RuntimeType::Field>& fields) const {
+  if (!is_compound_) {
+    std::size_t size = 1;
+    for (const std::size_t n : shape_) size *= n;
+    fields.push_back({path, kind_, kind_ == Kind::vector ? static_cast<int>(size) : 1});
+    return;
+  }
+  for (const auto& [name, type] : members_)
+    type->appendFields(path.empty() ? name : path + "." + name, fields);
+}
+
+bool ValueType::operator==(const ValueType& other) const {
+  return this == &other || (runtime_ == other.runtime_ && shape_ == other.shape_ &&
+                            is_compound_ == other.is_compound_ && class_.is(other.class_));
+}
+
+void ValueType::append(nb::handle value, std::vector<double>& numbers, const std::string& subject) const {
+  const std::size_t first = numbers.size();
+  appendUnchecked(value, numbers, subject);
+  if (!std::all_of(numbers.begin() + static_cast<std::ptrdiff_t>(first), numbers.end(),
+                   [](double x) { return std::isfinite(x); }))
+    raiseValue(subject, "has a number that is not finite", "pass finite numbers");
+}
+
+void ValueType::appendUnchecked(nb::handle value, std::vector<double>& numbers,
+                                const std::string& subject) const {
+  const auto requireType = [&](bool is_right) {
+    if (!is_right)
+      raiseValue(subject, "is a " + typeNameOf(value) + " in place of a " + runtime_->name(),
+                 "pass a " + runtime_->name());
+  };
+  if (is_compound_) {
+    requireType(value.type().is(class_));
+    for (const auto& [name, type] : members_)
+      type->appendUnchecked(value.attr(name.c_str()), numbers, subject + "." + name);
+    return;
+  }
+  switch (kind_) {
+    case Kind::number:
+    case Kind::vector: {
+      const nb::object array = arrayFrom(value, subject);
+      if (shapeOf(array) != shape_)
+        raiseValue(subject, "has the shape " + textOf(shapeOf(array)), "pass one of shape " + textOf(shape_));
+      appendArray(array, numbers);
+      break;
+    }
+    case Kind::so2:
+      requireType(isA<mtk::SO2<double>>(value));
+      numbers.push_back(nb::cast<mtk::SO2<double>>(value).angle());
+      break;
+    case Kind::so3: {
+      requireType(isA<mtk::SO3<double>>(value));
+      const auto q = nb::cast<mtk::SO3<double>>(value).coeffs();
+      numbers.insert(numbers.end(), q.begin(), q.end());
+      break;
+    }
+    case Kind::s2: {
+      requireType(isA<mtk::S2<double>>(value));
+      const auto v = nb::cast<mtk::S2<double>>(value).vector();
+      numbers.insert(numbers.end(), v.begin(), v.end());
+      break;
+    }
+    case Kind::se2:
+      requireType(isA<SE2<double>>(value));
+      appendPose(nb::cast<SE2<double>>(value), numbers);
+      break;
+    case Kind::se3:
+      requireType(isA<SE3<double>>(value));
+      appendPose(nb::cast<SE3<double>>(value), numbers);
+      break;
+  }
+}
+
+template <class S>
+nb::object ValueType::make(const S*& numbers, const S*& tangent) const {
+  if (is_compound_) {
+    std::vector<nb::object> members;
+    for (const auto& [name, type] : members_) members.push_back(type->make(numbers, tangent));
+    return compound(members);
+  }
+  switch (kind_) {
+    case Kind::number:
+    case Kind::vector: {
+      const S* const first = numbers;
+      numbers += coordinates();
+      if (tangent != nullptr) tangent += coordinates();
+      return toPython(first, shape_);
+    }
+    case Kind::so2:
+      return nb::cast(takeSO2(numbers, tangent));
+    case Kind::so3:
+      return nb::cast(takeSO3(numbers, tangent));
+    case Kind::s2:
+      return nb::cast(takeS2(numbers, tangent));
+    case Kind::se2: {
+      SE2<S> T;
+      T.pos = take<2>(numbers);
+      if (tangent != nullptr) tangent += 2;
+      T.orient = takeSO2(numbers, tangent);
+      return nb::cast(T);
+    }
+    case Kind::se3: {
+      SE3<S> T;
+      T.pos = take<3>(numbers);
+      if (tangent != nullptr) tangent += 3;
+      T.orient = takeSO3(numbers, tangent);
+      return nb::cast(T);
+    }
+  }
+  return nb::none();
+}
+
+/// Makes an instance without calling the constructor, which may check the values of numbers.
+nb::object ValueType::compound(const std::vector<nb::object>& members) const {
+  const nb::object object = nb::module_::import_("builtins").attr("object");
+  nb::object result = object.attr("__new__")(class_);
+  for (std::size_t i = 0; i < members.size(); ++i)
+    object.attr("__setattr__")(result, members_[i].first, members[i]);
+  return result;
+}
+
+nb::object ValueType::value(const double* numbers) const {
+  const double* none = nullptr;
+  return make(numbers, none);
+}
+
+nb::object ValueType::recorded(const tape::Recording::Input& input) const {
+  const Number* numbers = input.coordinates.data();
+  const Number* tangent = input.tangent.empty() ? nullptr : input.tangent.data();
+  return make(numbers, tangent);
+}
+
+std::pair<std::shared_ptr<const ValueType>, int> ValueType::member(const std::string& name) const {
+  int first = 0;
+  for (const auto& [own, type] : members_) {
+    if (own == name) return {type, first};
+    first += type->coordinates();
+  }
+  if (!is_compound_ && (kind_ == Kind::se2 || kind_ == Kind::se3)) {
+    const std::size_t dim = kind_ == Kind::se2 ? 2 : 3;
+    if (name == "pos") return {array({dim}), 0};
+    if (name == "orient") {
+      const std::shared_ptr<ValueType> type(new ValueType);
+      type->kind_ = kind_ == Kind::se2 ? Kind::so2 : Kind::so3;
+      type->finish();
+      return {type, static_cast<int>(dim)};
+    }
+  }
+  return {nullptr, 0};
+}
+
+Rows rowsOf(nb::handle values, const std::string& subject) {
+  if (isA<Rows>(values)) return nb::cast<Rows>(values);
+  Rows rows;
+  const bool is_list = nb::isinstance<nb::list>(values) || nb::isinstance<nb::tuple>(values);
+  if (is_list && nb::len(values) > 0) {
+    const auto type = ValueType::of(values[0], subject + "[0]");
+    if (!type->isArray()) {
+      rows.type = type;
+      std::size_t i = 0;
+      for (const nb::handle value : values)
+        type->append(value, rows.numbers, subject + "[" + std::to_string(i++) + "]");
+      return rows;
+    }
+  }
+  const nb::object array = arrayFrom(values, subject);
+  const std::vector<std::size_t> shape = shapeOf(array);
+  if (shape.empty()) raiseValue(subject, "is a single number", "pass an array with one row for each value");
+  rows.type = ValueType::array({shape.begin() + 1, shape.end()});
+  appendArray(array, rows.numbers);
+  for (std::size_t i = 0; i < rows.numbers.size(); ++i) {
+    if (std::isfinite(rows.numbers[i])) continue;
+    raiseValue(subject,
+               "has a number that is not finite in row " +
+                   std::to_string(i / static_cast<std::size_t>(rows.type->coordinates())),
+               "remove such rows, or give them finite numbers");
+  }
+  return rows;
+}
+
+nb::object toPython(Rows rows) {
+  if (!rows.type->isArray()) return nb::cast(std::move(rows));
+  std::vector<std::size_t> shape{rows.size()};
+  shape.insert(shape.end(), rows.type->shape().begin(), rows.type->shape().end());
+  return toPython(rows.numbers.data(), shape);
+}
+
+std::vector<std::size_t> indicesOf(nb::handle index, std::size_t size) {
+  const nb::object all = numpy().attr("arange")(size);
+  const nb::object array =
+      nb::isinstance<nb::slice>(index) ? nb::object(nb::borrow(index)) : numpy().attr("asarray")(index);
+  return nb::cast<std::vector<std::size_t>>(nb::object(all[array].attr("tolist")()));
+}
+
+void bindRows(nb::module_& module) {
+  using namespace nb::literals;
+  nb::class_<Rows>(module, "Rows",
+                   "Values of one type, such as SE3, one a row. Index arrays and masks select rows.")
+      .def(
+          "__init__",
+          [](Rows* self, nb::handle values, nb::handle like) {
+            Rows rows = rowsOf(values, "Rows");
+            if (!like.is_none()) {
+              const auto type = ValueType::of(like.is_type() ? nb::object(like()) : nb::borrow(like), "like");
+              const auto width = static_cast<std::size_t>(rows.type->coordinates());
+              std::vector<double> numbers;
+              for (std::size_t i = 0; i < rows.size(); ++i) {
+                const std::vector<double> row =
+                    type->runtime()->normalized({rows.row(i), rows.row(i) + width});
+                numbers.insert(numbers.end(), row.begin(), row.end());
+              }
+              rows = Rows{type, std::move(numbers)};
+            }
+            new (self) Rows(std::move(rows));
+          },
+          "values"_a, "like"_a = nb::none(),
+          "Rows of a list of values. With like=slom.SE3, rows of an array of the numbers that store them.")
+      .def("__len__", &Rows::size)
+      .def("__getitem__",
+           [](const Rows& rows, nb::handle index) -> nb::object {
+             if (nb::isinstance<nb::int_>(index) || nb::hasattr(index, "__index__")) {
+               const std::vector<std::size_t> one = indicesOf(nb::make_tuple(index), rows.size());
+               return rows.type->value(rows.row(one.front()));
+             }
+             Rows some{rows.type, {}};
+             for (const std::size_t i : indicesOf(index, rows.size()))
+               some.numbers.insert(some.numbers.end(), rows.row(i), rows.row(i) + rows.type->coordinates());
+             return nb::cast(std::move(some));
+           })
+      .def("__getattr__",
+           [](const Rows& rows, const std::string& name) {
+             const auto [type, first] = rows.type->member(name);
+             if (type == nullptr)
+               throw nb::attribute_error(
+                   ("Rows of " + rows.type->runtime()->name() + " have no member " + name).c_str());
+             Rows some{type, {}};
+             for (std::size_t i = 0; i < rows.size(); ++i)
+               some.numbers.insert(some.numbers.end(), rows.row(i) + first,
+                                   rows.row(i) + first + type->coordinates());
+             return toPython(std::move(some));
+           })
+      .def_prop_ro(
+          "numbers",
+          [](const Rows& rows) {
+            return toPython(rows.numbers.data(),
+                            {rows.size(), static_cast<std::size_t>(rows.type->coordinates())});
+          },
+          "The numbers that store the values, one row for each: of SE3 the position and the quaternion (x, y, z, w).")
+      .def("__repr__", [](const Rows& rows) {
+        return "<" + std::to_string(rows.size()) + " rows of " + rows.type->runtime()->name() + ">";
+      });
+}
+
+}  // namespace slom::python

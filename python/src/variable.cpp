@@ -1,0 +1,157 @@
+#include "variable.hpp"
+
+#include <nanobind/eigen/dense.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <slom/slom.hpp>
+
+#include "manifolds.hpp"
+
+namespace slom::python {
+
+namespace {
+
+/// Returns a number for a variable that is one, and the vector for others.
+nb::object perComponent(const ValueType& type, const Eigen::VectorXd& x) {
+  if (type.isArray()) return toPython(x.data(), type.shape());
+  return nb::cast(x);
+}
+
+Rows valuesOf(const VariableArray& all) {
+  Rows rows{all.type, {}};
+  for (const AnyVarID& id : all.ids) {
+    const auto* const numbers = static_cast<const double*>(id.current());
+    rows.numbers.insert(rows.numbers.end(), numbers, numbers + all.type->coordinates());
+  }
+  return rows;
+}
+
+void setValues(const VariableArray& all, nb::handle values) {
+  const Rows rows = rowsOf(values, "the values");
+  if (!(*rows.type == *all.type) || rows.size() != all.ids.size()) {
+    throw mtk::Error("slom.bad-value",
+                     "the values are " + std::to_string(rows.size()) + " of type " +
+                         rows.type->runtime()->name() + ", the variables are " +
+                         std::to_string(all.ids.size()) + " of type " + all.type->runtime()->name() +
+                         "; pass one value of that type for each variable",
+                     "values");
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    all.est->reinitRV(all.ids[i],
+                      {all.type->runtime(), {rows.row(i), rows.row(i) + rows.type->coordinates()}});
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> deviationsOf(
+    const VariableArray& all) {
+  const Marginals marginals = all.est->marginals();
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> result(
+      static_cast<Eigen::Index>(all.ids.size()), all.type->runtime()->dof());
+  for (std::size_t i = 0; i < all.ids.size(); ++i)
+    result.row(static_cast<Eigen::Index>(i)) = marginals.standardDeviation(all.ids[i]).transpose();
+  return result;
+}
+
+}  // namespace
+
+std::vector<AnyVarID> handlesOf(nb::handle variables) {
+  if (nb::isinstance<Variable>(variables)) return {nb::cast<Variable>(variables).id};
+  if (nb::isinstance<VariableArray>(variables)) return nb::cast<VariableArray>(variables).ids;
+  std::vector<AnyVarID> ids;
+  if (nb::isinstance<nb::list>(variables) || nb::isinstance<nb::tuple>(variables)) {
+    for (const nb::handle one : variables) {
+      const std::vector<AnyVarID> own = handlesOf(one);
+      ids.insert(ids.end(), own.begin(), own.end());
+    }
+    return ids;
+  }
+  throw mtk::Error("slom.bad-argument",
+                   "a value of type " + nb::cast<std::string>(variables.type().attr("__name__")) +
+                       " stands in place of a variable; pass what est.variable or est.variables returned",
+                   "variables");
+}
+
+void bindVariables(nb::module_& module) {
+  using namespace nb::literals;
+  nb::class_<Variable>(module, "Variable", "A variable of an estimator.")
+      .def_prop_rw(
+          "value", [](const Variable& x) { return x.type->value(x.numbers()); },
+          [](const Variable& x, nb::handle value) {
+            std::vector<double> numbers;
+            x.type->append(value, numbers, "the value of " + x.est->nameOf(x.id));
+            x.est->reinitRV(x.id, {x.type->runtime(), std::move(numbers)});
+          },
+          "The current value.")
+      .def_prop_ro("name", [](const Variable& x) { return x.est->nameOf(x.id); })
+      .def_prop_ro(
+          "std", [](const Variable& x) { return perComponent(*x.type, x.est->standardDeviation(x.id)); },
+          "Standard deviations of the components, in the tangent space.")
+      .def_prop_ro(
+          "covariance", [](const Variable& x) { return Eigen::MatrixXd(x.est->covariance(x.id)); },
+          "Covariance of the components, in the tangent space; dof x dof.")
+      .def_prop_ro(
+          "components", [](const Variable& x) { return x.est->componentNames(x.id); },
+          "Names of the components, in the order of `std` and `covariance`.")
+      .def(
+          "fix",
+          [](const Variable& x, const std::string& path) {
+            path.empty() ? x.est->fix(x.id) : x.est->fix(x.id, path);
+          },
+          "path"_a = "",
+          "Keeps the variable, or the components at a path such as \"pos.z\", at the current value.")
+      .def(
+          "free",
+          [](const Variable& x, const std::string& path) {
+            path.empty() ? x.est->free(x.id) : x.est->free(x.id, path);
+          },
+          "path"_a = "", "Releases the variable, or the components at a path.")
+      .def(
+          "bound",
+          [](const Variable& x, double lower, double upper, const std::string& path) {
+            x.est->bound(x.id, path, lower, upper);
+          },
+          "lower"_a, "upper"_a, "path"_a = "",
+          "Keeps the components at a path, or all of them, between two limits. Infinite limits remove the bound.")
+      .def(
+          "remove", [](const Variable& x) { x.est->removeRV(x.id); },
+          "Removes the variable. No measurement may depend on it.")
+      .def("__repr__", [](const Variable& x) {
+        return x.est->nameOf(x.id) + " = " + nb::cast<std::string>(nb::repr(x.type->value(x.numbers())));
+      });
+
+  nb::class_<VariableArray>(module, "VariableArray",
+                            "Variables of one type. Index arrays, slices and masks select some of them.")
+      .def("__len__", [](const VariableArray& all) { return all.ids.size(); })
+      .def("__getitem__",
+           [](const VariableArray& all, nb::handle index) -> nb::object {
+             if (nb::isinstance<nb::int_>(index) || nb::hasattr(index, "__index__")) {
+               const std::vector<std::size_t> one = indicesOf(nb::make_tuple(index), all.ids.size());
+               return nb::cast(Variable{all.est, all.ids[one.front()], all.type});
+             }
+             VariableArray some{all.est, {}, all.type};
+             for (const std::size_t i : indicesOf(index, all.ids.size())) some.ids.push_back(all.ids[i]);
+             return nb::cast(std::move(some));
+           })
+      .def_prop_rw(
+          "value", [](const VariableArray& all) { return toPython(valuesOf(all)); }, &setValues,
+          "The current values: an array with one row for each variable, or Rows.")
+      .def_prop_ro("std", &deviationsOf,
+                   "Standard deviations of the components in the tangent space, one row for each variable.")
+      .def(
+          "fix",
+          [](const VariableArray& all) {
+            for (const AnyVarID& id : all.ids) all.est->fix(id);
+          },
+          "Keeps all of them at their current values.")
+      .def(
+          "free",
+          [](const VariableArray& all) {
+            for (const AnyVarID& id : all.ids) all.est->free(id);
+          },
+          "Releases all of them.")
+      .def("__repr__", [](const VariableArray& all) {
+        return "<" + std::to_string(all.ids.size()) + " variables of " + all.type->runtime()->name() + ">";
+      });
+}
+
+}  // namespace slom::python
