@@ -7,6 +7,8 @@
     print(est.optimize(), centre.value, centre.std)
 """
 
+from . import _fit
+from ._curve_fit import CurveFit, curve_fit
 from ._error import Error, SlowFunctionWarning
 from ._manifold import manifold
 from ._prior import prior as _prior
@@ -14,14 +16,20 @@ from ._propagated import Propagated
 from ._slom import (
     Barron,
     Cauchy,
+    Clustered,
     Condition,
+    DerivativeCheck,
+    Diagnosis,
     Estimator,
     Fit,
     FixedLag,
     GemanMcClure,
     Huber,
+    IntervalTable,
     Measurements,
     Number,
+    OutlierReport,
+    Preflight,
     PseudoHuber,
     Rows,
     S2,
@@ -32,9 +40,16 @@ from ._slom import (
     Tukey,
     Variable,
     VariableArray,
+    VarianceComponents,
 )
 from ._where import where
 
 Estimator.prior = _prior
+Fit.params = property(_fit.params)
+Fit.uncertainties = property(_fit.uncertainties)
+Fit.plot = _fit.plot
+Fit._repr_html_ = _fit.html_of_fit
+for _report in (Clustered, DerivativeCheck, Diagnosis, IntervalTable, OutlierReport, Preflight, VarianceComponents):
+    _report._repr_html_ = _fit.html_of_text
 
 __all__ = [name for name in dir() if not name.startswith("_")]

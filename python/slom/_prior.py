@@ -1,10 +1,19 @@
 import numpy as np
 
+from . import _slom
+
 
 def prior(self, variable, value, sigma=None, *, covariance=None, information=None, path="", loss=None, name="prior"):
     """Adds prior knowledge of a variable, or of its component at a path such as "pos.z": a measurement of its value with
     a standard deviation, a covariance or an information matrix. Returns the measurement."""
     options = {} if loss is None else {"loss": loss}
+    names = [name[len(variable.name) :].lstrip(".") for name in variable.components]
+    if path and not any(name == path or name.startswith(path + ".") for name in names):
+        _slom._raise(
+            "slom.no-component",
+            f'variable {variable.name} has no component "{path}"; pass one of {", ".join(names)}',
+            variable.name,
+        )
     measured = [value] if not isinstance(value, (float, int)) else np.array([value], float)
     if isinstance(value, np.ndarray):
         measured = value[None]

@@ -454,7 +454,7 @@ bool isRecorded(nb::handle x) {
     }
     return false;
   }
-  return nb::hasattr(x, "dtype") && nb::cast<std::string>(nb::str(x.attr("dtype").attr("kind"))) == "O";
+  return nb::hasattr(x, "dtype") && nb::cast<std::string>(nb::object(x.attr("dtype").attr("kind"))) == "O";
 }
 
 void bindManifolds(nb::module_& module) {

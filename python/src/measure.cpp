@@ -443,16 +443,17 @@ Noise noiseOf(nb::handle sigma, nb::handle covariance, nb::handle information, s
   if (!is_sigma && shape == matrix) return set(Shape::matrix, length, false);
   if (!is_sigma && shape == matrices) return set(Shape::matrix, length, true);
   const std::string n = std::to_string(rows), m = std::to_string(length);
-  throw mtk::Error(
-      "slom.wrong-shape",
-      name + " has the shape " +
-          nb::cast<std::string>(nb::str(nb::module_::import_("numpy").attr("shape")(given))) + " for " + n +
-          " rows with residuals of length " + m + "; pass a number, one for each row (" + n +
-          ", 1), one for each component (" + m + ",), or " +
-          (is_sigma
-               ? "both (" + n + ", " + m + ")"
-               : "a matrix (" + m + ", " + m + ") or one for each row (" + n + ", " + m + ", " + m + ")"),
-      name);
+  const std::string accepted = length == 1 ? "a number, or one for each row (" + n + ",)"
+                               : is_sigma
+                                   ? "a number, one for each component (" + m + ",), one for each row (" + n +
+                                         ", 1), or both (" + n + ", " + m + ")"
+                                   : "a number, one for each component (" + m + ",), a matrix (" + m + ", " +
+                                         m + "), or one for each row (" + n + ", " + m + ", " + m + ")";
+  const nb::object numpy_shape = nb::module_::import_("numpy").attr("shape")(given);
+  throw mtk::Error("slom.wrong-shape",
+                   name + " has the shape " + nb::cast<std::string>(nb::str(numpy_shape)) + " for " + n +
+                       " rows with residuals of length " + m + "; pass " + accepted,
+                   name);
 }
 
 /// Puts the measurements into groups: `keys` is one key, or one for each.
@@ -615,10 +616,7 @@ void bindMeasure(nb::module_& module, nb::class_<Estimator>& estimator) {
       .def("__getitem__",
            [](const Measurements& all, nb::handle index) {
              Measurements some{all.est, {}};
-             const bool is_one = nb::isinstance<nb::int_>(index) || nb::hasattr(index, "__index__");
-             for (const std::size_t i :
-                  indicesOf(is_one ? nb::object(nb::make_tuple(index)) : nb::borrow(index), all.ids.size()))
-               some.ids.push_back(all.ids[i]);
+             for (const std::size_t i : indicesOf(index, all.ids.size())) some.ids.push_back(all.ids[i]);
              return some;
            })
       .def_prop_ro(

@@ -138,8 +138,11 @@ NB_MODULE(_slom, module) {
   using namespace slom::python;
   using slom::Estimator, slom::AnyVarID;
   module.doc() = "Sparse least squares on manifolds.";
+  // An estimator keeps functions that it could not record. They refer to their modules, whose variables often include the
+  // estimator. Such circles live until the end of the program, which is no fault.
+  nb::set_leak_warnings(false);
 
-  static nb::object error = nb::module_::import_("slom._error").attr("Error");
+  const nb::object error = nb::module_::import_("slom._error").attr("Error");
   nb::register_exception_translator(
       [](const std::exception_ptr& exception, void* type) {
         try {
@@ -148,7 +151,7 @@ NB_MODULE(_slom, module) {
           setError(nb::handle(static_cast<PyObject*>(type)), thrown, thrown);
         }
       },
-      error.ptr());
+      nb::object(error).release().ptr());
   module.def("_raise", [](const std::string& id, const std::string& sentence, const std::string& subject) {
     throw mtk::Error(id, sentence, subject);
   });

@@ -61,6 +61,25 @@ ClusterCorrection correctionNamed(const std::string& name) {
                    "correction");
 }
 
+/// Returns the joint covariance of the components that were fitted.
+Eigen::MatrixXd covarianceOf(const Fit& fit) {
+  const Problem& table = fit.est->table();
+  std::vector<AnyVarID> ids;
+  std::vector<int> fitted;
+  int first = 0;
+  for (int i = 0; i < static_cast<int>(table.variables().size()); ++i) {
+    const VariableRecord& record = table.variables()[static_cast<std::size_t>(i)];
+    if (record.store == nullptr || !table.activeSet().isOptimized(i)) continue;
+    ids.emplace_back(table.handleOf(i));
+    const std::vector<char>& fixed = table.activeSet().fixed(i);
+    for (int c = 0; c < record.dof; ++c) {
+      if (fixed.empty() || fixed[static_cast<std::size_t>(c)] == 0) fitted.push_back(first + c);
+    }
+    first += record.dof;
+  }
+  return fit.est->jointCovariance(ids)(fitted, fitted);
+}
+
 void bindFit(nb::module_& module) {
   nb::class_<ParameterSummary>(module, "Parameter", "A fitted component.")
       .def_ro("name", &ParameterSummary::name)
@@ -92,6 +111,8 @@ void bindFit(nb::module_& module) {
 
   const auto of = [](auto member) { return [member](const Fit& fit) { return fit.summary.*member; }; };
   nb::class_<Fit>(module, "Fit", "What a fit did, and why it stopped.", nb::dynamic_attr())
+      .def_prop_ro(
+          "estimator", [](const Fit& fit) { return fit.est; }, "The estimator that was fitted.")
       .def_prop_ro("converged", of(&Summary::converged))
       .def_prop_ro("stop_reason",
                    [](const Fit& fit) { return std::string(toString(fit.summary.stop_reason)); })
@@ -119,6 +140,7 @@ void bindFit(nb::module_& module) {
             return fit.summary.parameters;
           },
           "The fitted components with their standard deviations.")
+      .def_prop_ro("covariance", &covarianceOf, "Joint covariance of `parameters`, in their order.")
       .def(
           "json", [](const Fit& fit) { return fit.summary.json(); }, "Returns the summary as a JSON object.")
       .def("__str__", [](const Fit& fit) { return textOf(fit.summary); })

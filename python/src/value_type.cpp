@@ -43,10 +43,13 @@ nb::object arrayFrom(nb::handle x, const std::string& subject) {
                "pass numbers, all rows of one length");
   }
   if (nb::cast<std::string>(array.attr("dtype").attr("kind")).find_first_of("biuf") == std::string::npos) {
-    raiseValue(
-        subject, "is of type " + typeNameOf(x) + " and holds no real numbers",
-        "pass a number, an array, one of SO2, SO3, S2, SE2 and SE3, or an instance of a class decorated with "
-        "slom.manifold");
+    const std::string kind =
+        nb::hasattr(x, "dtype")
+            ? "an array of " + nb::cast<std::string>(nb::str(nb::object(array.attr("dtype")))) + "s"
+            : "a " + typeNameOf(x);
+    raiseValue(subject, "is " + kind + " and holds no real numbers",
+               "pass a number, an array, one of SO2, SO3, S2, SE2 and SE3, or an instance of a class "
+               "decorated with slom.manifold");
   }
   return numpy().attr("ascontiguousarray")(array, "float64").attr("reshape")(array.attr("shape"));
 }
@@ -350,7 +353,15 @@ std::vector<std::size_t> indicesOf(nb::handle index, std::size_t size) {
   const nb::object all = numpy().attr("arange")(size);
   const nb::object array =
       nb::isinstance<nb::slice>(index) ? nb::object(nb::borrow(index)) : numpy().attr("asarray")(index);
-  return nb::cast<std::vector<std::size_t>>(nb::object(all[array].attr("tolist")()));
+  return nb::cast<std::vector<std::size_t>>(
+      nb::object(numpy().attr("atleast_1d")(all[array]).attr("tolist")()));
+}
+
+std::optional<std::size_t> singleIndexOf(nb::handle index, std::size_t size) {
+  const bool is_single = nb::isinstance<nb::int_>(index) ||
+                         (nb::hasattr(index, "dtype") && nb::cast<int>(index.attr("ndim")) == 0);
+  if (!is_single) return std::nullopt;
+  return indicesOf(index, size).front();
 }
 
 void bindRows(nb::module_& module) {
@@ -379,10 +390,7 @@ void bindRows(nb::module_& module) {
       .def("__len__", &Rows::size)
       .def("__getitem__",
            [](const Rows& rows, nb::handle index) -> nb::object {
-             if (nb::isinstance<nb::int_>(index) || nb::hasattr(index, "__index__")) {
-               const std::vector<std::size_t> one = indicesOf(nb::make_tuple(index), rows.size());
-               return rows.type->value(rows.row(one.front()));
-             }
+             if (const auto i = singleIndexOf(index, rows.size())) return rows.type->value(rows.row(*i));
              Rows some{rows.type, {}};
              for (const std::size_t i : indicesOf(index, rows.size()))
                some.numbers.insert(some.numbers.end(), rows.row(i), rows.row(i) + rows.type->coordinates());

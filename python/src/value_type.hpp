@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -77,6 +78,8 @@ Rows rowsOf(nb::handle values, const std::string& subject);
 nb::object toPython(Rows rows);
 /// Returns the whole numbers of an index: a slice, a mask, or numbers, for a sequence of this length. Throws IndexError.
 std::vector<std::size_t> indicesOf(nb::handle index, std::size_t size);
+/// Returns the place that a single whole number names; nothing for other indices.
+std::optional<std::size_t> singleIndexOf(nb::handle index, std::size_t size);
 
 /// Declares Rows.
 void bindRows(nb::module_& module);

@@ -124,10 +124,8 @@ void bindVariables(nb::module_& module) {
       .def("__len__", [](const VariableArray& all) { return all.ids.size(); })
       .def("__getitem__",
            [](const VariableArray& all, nb::handle index) -> nb::object {
-             if (nb::isinstance<nb::int_>(index) || nb::hasattr(index, "__index__")) {
-               const std::vector<std::size_t> one = indicesOf(nb::make_tuple(index), all.ids.size());
-               return nb::cast(Variable{all.est, all.ids[one.front()], all.type});
-             }
+             if (const auto i = singleIndexOf(index, all.ids.size()))
+               return nb::cast(Variable{all.est, all.ids[*i], all.type});
              VariableArray some{all.est, {}, all.type};
              for (const std::size_t i : indicesOf(index, all.ids.size())) some.ids.push_back(all.ids[i]);
              return nb::cast(std::move(some));

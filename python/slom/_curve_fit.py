@@ -1,0 +1,177 @@
+import inspect
+
+import numpy as np
+
+from ._error import Error
+from ._slom import Estimator
+
+
+class CurveFit:
+    """A fitted curve. Unpacks to popt, pcov as the result of scipy.optimize.curve_fit does.
+
+    popt, pcov   values and covariance of the parameters
+    perr         standard deviations
+    names        names of the parameters
+    fit          the report: chi-square, warnings, correlations
+    """
+
+    def __init__(self, estimator, variables, fit):
+        self.estimator, self.variables, self.fit = estimator, variables, fit
+        self.names = [x.name for x in variables]
+        self.popt = np.array([x.value for x in variables])
+        self.pcov = estimator.covariance(variables)
+
+    @property
+    def perr(self):
+        return np.sqrt(np.diag(self.pcov))
+
+    def __iter__(self):
+        return iter((self.popt, self.pcov))
+
+    def __getitem__(self, name):
+        """Returns the variable of a parameter: curve["a"].value, curve["a"].std."""
+        return self.variables[self.names.index(name)]
+
+    def profile(self, name, probability=0.95):
+        """Returns the profile likelihood interval of a parameter."""
+        return self.estimator.profile(self[name], probability=probability)
+
+    def intervals(self, probability=0.95):
+        """Returns the profile likelihood intervals of all parameters."""
+        return self.estimator.intervals(probability)
+
+    def plot(self, figure=None):
+        return self.fit.plot(figure)
+
+    def __str__(self):
+        return str(self.fit)
+
+    __repr__ = __str__
+
+    def _repr_html_(self):
+        return self.fit._repr_html_()
+
+
+class NotFitted(Error, RuntimeError):
+    """The fit of a curve has not converged."""
+
+
+def curve_fit(
+    f,
+    xdata,
+    ydata,
+    p0=None,
+    sigma=None,
+    absolute_sigma=False,
+    check_finite=True,
+    bounds=(-np.inf, np.inf),
+    *,
+    names=None,
+    nan_policy=None,
+    loss=None,
+    **options,
+):
+    """Fits f(x, a, b, ...) to data, with the arguments of scipy.optimize.curve_fit. The derivatives are exact.
+
+    f               gets all of xdata, or one row if it computes each value from its own row alone
+    xdata, ydata    M values; xdata may be k x M for functions of k variables
+    p0              start values; without them 1, or the middle of the bounds
+    sigma           standard deviations, M of them, or an M x M covariance
+    absolute_sigma  False: only the ratios of sigma count, and the residuals give their scale
+    bounds          (lower, upper): numbers, or one for each parameter
+    nan_policy      None or "raise": data that are not finite are refused. "omit": they are left out
+    names           names of the parameters in reports; without them those of f's arguments
+    loss            a robust loss, such as slom.Huber(1.345)
+    options         those of Estimator.optimize
+
+    Returns a CurveFit, which unpacks to popt, pcov. Raises an error that is a RuntimeError, too, if the fit does not
+    converge."""
+    names = list(names) if names is not None else _names(f, None if p0 is None else np.size(p0))
+    lower, upper = (np.broadcast_to(np.asarray(b, float), len(names)) for b in bounds)
+    if p0 is None:
+        p0 = [_start(a, b) for a, b in zip(lower, upper)]
+    p0 = np.atleast_1d(np.asarray(p0, float))
+    if len(p0) != len(names):
+        raise _error(f"p0 has {len(p0)} start values for {len(names)} parameters; pass one for each parameter", "p0")
+    x, y = np.asarray(xdata, float), np.asarray(ydata, float)
+    rows = x.T if x.ndim > 1 else x
+    if y.ndim != 1 or len(rows) != len(y):
+        raise _error(
+            f"xdata has {len(np.atleast_1d(rows))} values and ydata the shape {y.shape}; pass one value of ydata for each",
+            "ydata",
+        )
+    if sigma is not None:
+        sigma = np.asarray(sigma, float)
+    if nan_policy == "omit":
+        good = np.isfinite(y) & np.isfinite(rows).reshape(len(y), -1).all(axis=1)
+        rows, y, x = rows[good], y[good], x[..., good]
+        if sigma is not None and sigma.ndim:
+            sigma = sigma[good] if sigma.ndim == 1 else sigma[np.ix_(good, good)]
+
+    estimator = Estimator()
+    if not absolute_sigma:
+        estimator.sigma = "estimated"
+    variables = []
+    for name, value, a, b in zip(names, p0, lower, upper):
+        variables.append(estimator.variable(float(value), name))
+        if np.isfinite(a) or np.isfinite(b):
+            variables[-1].bound(a, b)
+    noise = {"loss": loss} if loss is not None else {}
+    label = getattr(f, "__name__", "f")
+    label = "f" if label == "<lambda>" else label
+    joint = sigma is not None and sigma.ndim == 2
+    if not joint and _is_by_row(f, x, rows, p0):
+        if sigma is not None:
+            noise["sigma"] = sigma
+        function = lambda *p: f(p[-1], *p[:-1])
+        estimator.measure(function, *variables, rows, measured=y, name=label, **noise)
+    else:
+        if sigma is not None:
+            noise["covariance" if joint else "sigma"] = sigma
+        estimator.measure(lambda *p: f(x, *p), *variables, measured=y[None], name=label, **noise)
+    fit = estimator.optimize(**options)
+    if not fit.converged:
+        error = NotFitted(f"[slom.not-fitted] the curve is not fitted: {fit.message}")
+        error.id, error.subject, error.sentence = "slom.not-fitted", label, f"the curve is not fitted: {fit.message}"
+        raise error
+    return CurveFit(estimator, variables, fit)
+
+
+def _names(f, count):
+    parameters = list(inspect.signature(f).parameters.values())[1:]
+    if any(p.kind is p.VAR_POSITIONAL for p in parameters):
+        if count is None:
+            raise _error("f takes any number of parameters; pass p0, one start value for each", "p0")
+        return [f"p{i}" for i in range(count)]
+    names = [p.name for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    return names if count is None else names[:count]
+
+
+def _start(lower, upper):
+    if np.isfinite(lower) and np.isfinite(upper):
+        return (lower + upper) / 2
+    if np.isfinite(lower):
+        return lower + 1
+    return upper - 1 if np.isfinite(upper) else 1.0
+
+
+def _is_by_row(f, x, rows, p):
+    """Whether f computes each value from its own row."""
+    with np.errstate(all="ignore"):
+        whole = np.asarray(f(x, *p), float)
+        if whole.shape != (len(rows),):
+            return whole.ndim == 0 and len(rows) > 0
+        for i in {0, len(rows) // 2, len(rows) - 1}:
+            try:
+                one = np.asarray(f(rows[i], *p), float)
+            except Exception:
+                return False
+            if one.shape != () or not np.isclose(one, whole[i], rtol=1e-9, atol=0, equal_nan=True):
+                return False
+    return True
+
+
+def _error(sentence, subject):
+    error = Error(f"[slom.bad-argument] {sentence}")
+    error.id, error.subject, error.sentence, error.remedy = "slom.bad-argument", subject, sentence, sentence.split("; ")[-1]
+    return error

@@ -1,0 +1,82 @@
+"""What Python adds to Fit: tables for notebooks, pandas and uncertainties, and plots."""
+
+import html
+
+import numpy as np
+
+
+def params(self):
+    """The fitted components as a pandas frame: value and standard deviation, by name."""
+    import pandas
+
+    rows = self.parameters
+    return pandas.DataFrame(
+        {"value": [p.value for p in rows], "std": [p.std for p in rows]}, index=[p.name for p in rows]
+    )
+
+
+def uncertainties(self):
+    """The fitted components as correlated values of the package `uncertainties`, by name."""
+    from uncertainties import correlated_values
+
+    rows = self.parameters
+    return dict(zip([p.name for p in rows], correlated_values([p.value for p in rows], self.covariance)))
+
+
+def html_of_fit(self):
+    parts = [f"<p><b>{'Converged' if self.converged else 'Not converged'}</b>: {html.escape(self.message)}</p>"]
+    parts += [f"<p>{html.escape(text)}</p>" for text in self.warnings]
+    kinds = [(k.name, k.measurements, k.residuals, f"{k.final_rss:.6g}", k.derivatives) for k in self.kinds]
+    parts.append(_table(("measurement", "count", "residuals", "RSS", "derivatives"), kinds))
+    try:
+        rows = self.parameters
+    except Exception as error:  # the reason stands in place of the standard deviations
+        parts.append(f"<p>{html.escape(getattr(error, 'sentence', str(error)))}</p>")
+    else:
+        values = [(p.name, p.text or f"{p.value:.8g}", f"{p.std:.3g}") for p in rows[:100]]
+        if values:
+            parts.append(_table(("parameter", "value", "standard deviation"), values))
+        if len(rows) > 100:
+            parts.append(f"<p>{len(rows) - 100} parameters not shown</p>")
+    return "".join(parts)
+
+
+def _table(head, rows):
+    cells = lambda row, tag: "".join(f"<{tag}>{html.escape(str(x))}</{tag}>" for x in row)
+    return (
+        f"<table><thead><tr>{cells(head, 'th')}</tr></thead><tbody>"
+        + "".join(f"<tr>{cells(row, 'td')}</tr>" for row in rows)
+        + "</tbody></table>"
+    )
+
+
+def html_of_text(self):
+    return f"<pre>{html.escape(str(self))}</pre>"
+
+
+def plot(self, figure=None):
+    """Plots the residuals of each kind of measurements beside the normal distribution, and the correlations of the
+    parameters, if there are at most 200. Returns the figure. Needs matplotlib."""
+    import matplotlib.pyplot as plt
+
+    figure = figure or plt.figure(figsize=(10, 4), layout="constrained")
+    names = [p.name for p in self.parameters] if self.unknowns <= 200 else []
+    left, right = figure.subplots(1, 2) if len(names) > 1 else (figure.subplots(), None)
+    residuals, first = self.estimator.residuals(), 0
+    edges = np.linspace(-5, 5, 41)
+    for kind in self.kinds:
+        own = residuals[first : first + kind.residuals]
+        first += kind.residuals
+        left.hist(np.clip(own, -5, 5), edges, density=True, histtype="step", label=f"{kind.name} ({kind.residuals})")
+    left.plot(edges, np.exp(-edges * edges / 2) / np.sqrt(2 * np.pi), "k:", label="normal distribution")
+    left.set(xlabel="residual [standard deviations]; the outermost bars hold all beyond", ylabel="density")
+    left.legend(frameon=False)
+    if right is not None:
+        std = np.sqrt(np.diag(self.covariance))
+        std[std == 0] = 1
+        image = right.imshow(self.covariance / np.outer(std, std), vmin=-1, vmax=1, cmap="RdBu_r")
+        figure.colorbar(image, ax=right, label="correlation")
+        if len(names) <= 30:
+            right.set_xticks(range(len(names)), names, rotation=90)
+            right.set_yticks(range(len(names)), names)
+    return figure
