@@ -143,8 +143,9 @@ def _names(f, count):
         if count is None:
             raise _error("f takes any number of parameters; pass p0, one start value for each", "p0")
         return [f"p{i}" for i in range(count)]
-    names = [p.name for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
-    return names if count is None else names[:count]
+    named = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    needed = sum(p.default is p.empty for p in named)
+    return [p.name for p in named][: needed if count is None else max(count, needed)]
 
 
 def _start(lower, upper):

@@ -1,11 +1,13 @@
 #include "measure.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <typeindex>
@@ -147,6 +149,16 @@ struct PlainFunction {
 
   Eigen::VectorXd operator()(std::span<const VariableView> x, const std::vector<double>& data) const {
     const nb::gil_scoped_acquire gil;
+    try {
+      return residual(x, data);
+    } catch (nb::python_error& error) {
+      if (!error.matches(PyExc_KeyboardInterrupt) || !Interrupt::request()) throw FunctionThrew(error);
+    }
+    return residual(x, data);  // the fit asks before its next step whether it shall end
+  }
+
+ private:
+  Eigen::VectorXd residual(std::span<const VariableView> x, const std::vector<double>& data) const {
     const double* datum = data.data();
     std::size_t next = 0;
     nb::list arguments;
@@ -328,8 +340,7 @@ std::string differenceFrom(const Call& call, const Recorded& recorded) {
   const tape::Tape& tape = recorded.kind->tape;
   TracedMeasurement measurement;
   const QuietNumpy quiet;
-  for (const std::size_t row : {std::size_t{0}, call.rows / 2, call.rows - 1}) {
-    if (row > 0 && row == call.rows / 2 && call.rows < 3) continue;
+  for (const std::size_t row : std::set<std::size_t>{0, call.rows / 2, call.rows - 1}) {
     for (const bool is_moved : {false, true}) {
       const std::vector<std::vector<double>> values = valuesOf(call, row, is_moved);
       std::vector<double> plain;
@@ -568,6 +579,38 @@ Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> residuals
 }
 
 }  // namespace
+
+namespace {
+std::atomic<int> fits = 0;
+std::atomic<bool> is_requested = false;
+}  // namespace
+
+Interrupt::Interrupt() { ++fits; }
+Interrupt::~Interrupt() {
+  if (--fits == 0) is_requested = false;
+}
+bool Interrupt::request() {
+  if (fits == 0) return false;
+  return is_requested = true;
+}
+bool Interrupt::operator()() {
+  const nb::gil_scoped_acquire gil;
+  if (!error_) {
+    if (is_requested) PyErr_SetNone(PyExc_KeyboardInterrupt);
+    if (is_requested || PyErr_CheckSignals() != 0) error_.emplace();
+  }
+  return error_.has_value();
+}
+void Interrupt::raise() {
+  if ((*this)()) throw nb::python_error(std::move(*error_));
+}
+
+FunctionThrew::FunctionThrew(const nb::python_error& error)
+    : std::runtime_error(nb::cast<std::string>(nb::object(error.type().attr("__name__"))) + ": " +
+                         nb::cast<std::string>(nb::str(error.value()))),
+      error_(std::make_shared<nb::python_error>(error)) {}
+
+nb::object FunctionThrew::exception() const { return nb::borrow(error_->value()); }
 
 Derived derivedFrom(nb::handle f, const std::vector<Variable>& variables) {
   Call call;

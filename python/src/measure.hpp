@@ -1,6 +1,9 @@
 // Measurements whose function is written in Python.
 #pragma once
 
+#include <memory>
+#include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "variable.hpp"
@@ -11,6 +14,35 @@ namespace slom::python {
 struct Measurements {
   Shared est;
   std::vector<AnyMeasID> ids;
+};
+
+/// The end of a fit by Ctrl-C, which keeps the best values. Exists while the fit runs.
+class Interrupt {
+ public:
+  Interrupt();
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+  /// Asks the running fits to end, after a KeyboardInterrupt in a measurement function. Returns whether there are any.
+  static bool request();
+  /// Returns whether the fit shall end.
+  bool operator()();
+  /// Raises KeyboardInterrupt if it shall.
+  void raise();
+
+ private:
+  std::optional<nb::python_error> error_;
+};
+
+/// A Python exception within a measurement function, while the fit has released the interpreter's lock.
+class FunctionThrew : public std::runtime_error {
+ public:
+  explicit FunctionThrew(const nb::python_error& error);
+  /// Returns the exception.
+  nb::object exception() const;
+
+ private:
+  std::shared_ptr<nb::python_error> error_;
 };
 
 /// Declares Measurements, the losses and Estimator.measure.

@@ -32,23 +32,6 @@ namespace {
   throw mtk::Error("slom.bad-option", name + " is \"" + value + "\"; pass " + accepted, name);
 }
 
-/// Ends a fit when the user presses Ctrl-C, and keeps the exception.
-class Interrupt {
- public:
-  bool operator()() {
-    const nb::gil_scoped_acquire gil;
-    if (!error_ && PyErr_CheckSignals() != 0) error_.emplace();
-    return error_.has_value();
-  }
-  /// Raises the exception, if there is one.
-  void raise() {
-    if (error_) throw nb::python_error(std::move(*error_));
-  }
-
- private:
-  std::optional<nb::python_error> error_;
-};
-
 Fit optimize(const Shared& est, std::optional<int> max_iterations, std::optional<double> max_seconds,
              std::optional<double> gradient_tolerance, std::optional<double> decrease_tolerance,
              std::optional<double> step_tolerance, std::optional<double> deviation_tolerance,
@@ -126,6 +109,12 @@ void setError(nb::handle type, const mtk::Error& error, const std::exception& wh
   exception.attr("subject") = error.subject();
   exception.attr("sentence") = std::string(error.sentence());
   exception.attr("remedy") = std::string(error.remedy());
+  try {
+    std::rethrow_if_nested(whole);
+  } catch (const FunctionThrew& cause) {
+    exception.attr("__cause__") = cause.exception();
+  } catch (const std::exception&) {  // its text is part of the sentence
+  }
   PyErr_SetObject(type.ptr(), exception.ptr());
 }
 
@@ -168,10 +157,10 @@ NB_MODULE(_slom, module) {
   bindReports(module, estimator);
   estimator.def(nb::init<>())
       .def(
-          "variable", &variable, "value"_a, "name"_a = "", "optimize"_a = true,
+          "variable", &variable, "value"_a.none(), "name"_a = "", "optimize"_a = true,
           "Adds a variable with its start value: a number, an array, SO2, SO3, S2, SE2, SE3, or an instance of a class "
           "decorated with slom.manifold. With optimize=False it keeps that value.")
-      .def("variables", &variables, "values"_a, "name"_a = "", "optimize"_a = true,
+      .def("variables", &variables, "values"_a.none(), "name"_a = "", "optimize"_a = true,
            "Adds a variable for each row of an array, entry of a list, or row of slom.Rows.")
       .def(
           "optimize", &optimize, nb::kw_only(), "max_iterations"_a = nb::none(), "max_seconds"_a = nb::none(),

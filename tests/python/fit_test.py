@@ -1,0 +1,403 @@
+"""Whole fits from Python: types of variables, noise, losses, groups, analyses, functions that cannot be recorded."""
+
+import copy
+import os
+import pickle
+import signal
+import threading
+import time
+import unittest
+import warnings
+
+import numpy as np
+
+import slom
+
+SEED = int(time.time()) % 100000
+print("seed", SEED)
+
+
+def rotation(rng, size=1.0):
+    return slom.SO3.exp(size * rng.normal(size=3))
+
+
+def pose(rng):
+    return slom.SE3(rng.normal(size=3), rotation(rng))
+
+
+@slom.manifold
+class Camera:
+    pose: slom.SE3
+    focal_length: float
+    distortion: np.ndarray
+
+
+class Manifolds(unittest.TestCase):
+    def setUp(self):
+        self.rng = np.random.default_rng(SEED)
+
+    def test_operators_agree_with_matrices(self):
+        for _ in range(20):
+            a, b, p = pose(self.rng), pose(self.rng), self.rng.normal(size=3)
+            np.testing.assert_allclose((a * b).matrix(), a.matrix() @ b.matrix(), atol=1e-14)
+            np.testing.assert_allclose((a @ b.inverse()).matrix(), a.matrix() @ np.linalg.inv(b.matrix()), atol=1e-13)
+            np.testing.assert_allclose(a * p, a.matrix()[:3, :3] @ p + a.pos, atol=1e-14)
+            points = self.rng.normal(size=(4, 5, 3))
+            np.testing.assert_allclose(a * points, points @ a.orient.matrix().T + a.pos, atol=1e-13)
+            np.testing.assert_allclose((b.boxplus(a.boxminus(b))).matrix(), a.matrix(), atol=1e-13)
+            np.testing.assert_allclose((b + (a - b)).matrix(), a.matrix(), atol=1e-13)
+            plane = slom.SE2(1.0, 2.0, 0.3)
+            np.testing.assert_allclose(slom.SE2(plane.matrix()).matrix(), plane.matrix(), atol=1e-15)
+            np.testing.assert_allclose(slom.SO3(a.orient.matrix()).matrix(), a.orient.matrix(), atol=1e-14)
+            np.testing.assert_allclose((slom.SE3(orient=a.orient) * slom.SE3(a.pos)).pos, a.orient * a.pos, atol=1e-14)
+
+    def test_hard_points(self):
+        for angle in (0.0, 1e-300, 1e-9, np.pi, np.pi - 1e-9):
+            v = angle * np.array([0.6, 0.0, 0.8])
+            np.testing.assert_allclose(slom.SO3.exp(v).log(), v, atol=1e-15 + 1e-7 * (angle > 3))
+        self.assertEqual((slom.S2([0, 0, -1]) - slom.S2([0, 0, 1]))[0], np.pi)
+        with self.assertRaisesRegex(slom.Error, "no-rotation"):
+            slom.SO3(0, 0, 0, 0)
+        with self.assertRaisesRegex(slom.Error, "points of 3 numbers"):
+            slom.SO3() * [1.0, 2.0]
+        with self.assertRaisesRegex(slom.Error, "pass the quaternion"):
+            slom.SO3("text", 2)
+
+    def test_values_are_copied_and_pickled(self):
+        for x in (slom.SO2(0.3), rotation(self.rng), slom.S2(1, 2, 3), slom.SE2(1, 2, 0.3), pose(self.rng)):
+            for y in (copy.deepcopy(x), pickle.loads(pickle.dumps(x))):
+                np.testing.assert_allclose(x - y, 0, atol=1e-15)
+
+    def functions(self):
+        """Start values and functions of them: operators of all types, and their hard points."""
+        rng = self.rng
+        a, b, p, R = pose(rng), pose(rng), rng.normal(size=3), rotation(rng)
+        camera = Camera(pose(rng), 500.0, rng.normal(size=2))
+        opposite = slom.SO3.exp([np.pi, 0, 0])
+        return [
+            ((a, b), lambda a, b: (a.inverse() * b).boxminus(slom.SE3(p, R))),
+            ((a, b), lambda a, b: [a.orient.log(), (a * b * p), (a.orient * b).pos]),
+            ((a, p), lambda a, p: a.inverse() * p),
+            ((a,), lambda a: slom.SE3(a.pos, a.orient) - b),
+            ((R, p), lambda R, p: R * slom.SO3.exp(p) * slom.S2(0, 0, 1) - slom.S2(0.1, 0.2, 0.3)),
+            ((R, R), lambda R, S: R.boxminus(S)),
+            ((opposite,), lambda R: R.matrix()),
+            ((slom.S2(1, 2, 3), R), lambda d, R: R * d.vector),
+            ((slom.SE2(1, 2, 3.1), slom.SE2(0, 1, -3.1)), lambda a, b: (a.inverse() * b) - slom.SE2(1, 1, 0.1)),
+            ((slom.SO2(3.0), 2.0), lambda R, t: [(R + t).angle, R * np.array([t, 1.0])]),
+            ((camera,), lambda c: c.focal_length * (c.pose * p)[:2] + c.distortion),
+            ((rng.normal(size=30), rng.normal(size=(2, 3))), lambda x, m: m @ x[:3] + x[27:29]),
+        ]
+
+    def test_recorded_functions_give_values_and_derivatives_of_plain_ones(self):
+        for i, (values, f) in enumerate(self.functions()):
+            with self.subTest(function=i, seed=SEED):
+                est = slom.Estimator()
+                variables = [est.variable(x) for x in values]
+                recorded = est.measure(f, *variables, trace=True)
+                plain = est.measure(f, *variables, trace=False)
+                np.testing.assert_allclose(recorded.residuals, plain.residuals, atol=1e-13)
+                self.assertTrue(est.check_derivatives().ok, est.check_derivatives())
+
+
+class Fits(unittest.TestCase):
+    def setUp(self):
+        self.rng = np.random.default_rng(SEED)
+
+    def bundle(self):
+        """Cameras that see points: returns the estimator, both arrays of variables, and the true points."""
+        truth, eyes = self.rng.normal(size=(20, 3)), [pose(self.rng) for _ in range(3)]
+        i, j = np.repeat(np.arange(3), 20), np.tile(np.arange(20), 3)
+        seen = np.array([eyes[k] * truth[m] for k, m in zip(i, j)])
+        est = slom.Estimator()
+        cameras = est.variables([eye + 0.05 * self.rng.normal(size=6) for eye in eyes], "camera")
+        points = est.variables(truth + 0.1 * self.rng.normal(size=truth.shape), "point")
+        cameras[0].value = eyes[0]
+        cameras[0].fix()
+        est.measure(lambda c, p: c * p, cameras[i], points[j], measured=seen, sigma=0.01, name="sighting")
+        return est, cameras, points, truth
+
+    def test_variables_by_row(self):
+        est, cameras, points, truth = self.bundle()
+        fit = est.optimize()
+        self.assertTrue(fit.converged, fit)
+        np.testing.assert_allclose(points.value, truth, atol=1e-7)
+        self.assertEqual(points.std.shape, (20, 3))
+        np.testing.assert_allclose(points.std[4], points[4].std, rtol=1e-9)
+        self.assertEqual(cameras.value.pos.shape, (3, 3))
+        self.assertIn("camera[1]", repr(cameras[1]))
+        self.assertEqual(len(cameras[np.array([True, False, True])]), 2)
+        copied = est.clone()
+        copied.own(points[0]).value = [9.0, 9, 9]
+        np.testing.assert_allclose(points[0].value, truth[0], atol=1e-7)
+
+    def test_marginalised_variables_leave_what_they_know(self):
+        est, cameras, points, _ = self.bundle()
+        est.optimize()
+        before = cameras[1].covariance
+        est.marginalize(points)
+        np.testing.assert_allclose(cameras[1].covariance, before, rtol=1e-6, atol=1e-14)
+        window = slom.FixedLag(variables=1)
+        window.add(cameras[1])
+        window.add(cameras[2])
+        self.assertEqual(window.forget(est), 1)
+        self.assertEqual(len(window), 1)
+
+    def line(self, **options):
+        x = np.linspace(0, 1, 12)
+        est = slom.Estimator()
+        a, b = est.variable(0.0, "a"), est.variable(0.0, "b")
+        measurements = est.measure(lambda a, b, x: a + b * x, a, b, x, measured=2 + 3 * x + 0.1 * np.cos(9 * x), **options)
+        est.optimize()
+        A = np.stack([np.ones_like(x), x], axis=1)
+        return est, a, b, measurements, A
+
+    def test_noise_is_that_of_weighted_least_squares(self):
+        sigma = self.rng.uniform(0.1, 1, size=12)
+        for options, W in [
+            ({"sigma": 0.5}, np.eye(12) / 0.25),
+            ({"sigma": sigma}, np.diag(sigma**-2)),
+            ({"sigma": sigma[:, None]}, np.diag(sigma**-2)),
+            ({"covariance": sigma}, np.diag(1 / sigma)),
+            ({"information": sigma[:, None, None]}, np.diag(sigma)),
+        ]:
+            est, a, b, _, A = self.line(**options)
+            np.testing.assert_allclose(est.covariance(a, b), np.linalg.inv(A.T @ W @ A), rtol=1e-10)
+            y = 2 + 3 * A[:, 1] + 0.1 * np.cos(9 * A[:, 1])
+            np.testing.assert_allclose([a.value, b.value], np.linalg.solve(A.T @ W @ A, A.T @ W @ y), rtol=1e-10)
+        C = np.array([[2.0, 0.5], [0.5, 1.0]])
+        est = slom.Estimator()
+        x = est.variable([0.0, 0.0], "x")
+        est.measure(lambda x: x, x, measured=np.ones((3, 2)), covariance=C)
+        np.testing.assert_allclose(x.covariance, C / 3, rtol=1e-12)
+        est.prior(x, 1.0, 0.1, path="y")
+        self.assertLess(x.std[1], 0.1)
+        with self.assertRaisesRegex(slom.Error, "pass one of x, y"):
+            est.prior(x, 1.0, 0.1, path="z")
+
+    def test_clustered_covariance_is_the_sandwich(self):
+        keys = np.repeat(np.arange(4), 3)
+        est, a, b, measurements, A = self.line(sigma=0.5, group=keys)
+        bread = np.linalg.inv(A.T @ A)
+        scores = [A[keys == k].T @ measurements.residuals[keys == k, 0] for k in range(4)]
+        meat = sum(np.outer(s, s) for s in scores)
+        clustered = est.clustered(correction="cr0")
+        expected = bread @ meat @ bread
+        np.testing.assert_allclose(clustered.covariance(a)[0, 0], expected[0, 0], rtol=1e-9)
+        self.assertEqual(len(clustered.groups), 4)
+        est, a, b, _, _ = self.line(group={"day": keys, "tool": [str(k) for k in keys % 2]})
+        self.assertEqual(len(est.clustered(by="day").groups), 4)
+
+    def test_analyses(self):
+        est, a, b, measurements, _ = self.line(sigma=0.1, loss=slom.Huber(1.345))
+        interval = est.profile(a)
+        self.assertLess(interval.lower, a.value)
+        self.assertEqual(len(est.intervals().rows), 2)
+        self.assertTrue(est.diagnose().is_determined)
+        self.assertTrue(est.preflight().ok)
+        self.assertEqual(est.outliers().suspects, 0)
+        self.assertTrue(np.all(measurements.weights <= 1))
+        self.assertEqual(measurements.names[0], "function #1")
+        product = est.propagate(lambda a, b: a * b, a, b)
+        J = np.array([b.value, a.value])
+        self.assertAlmostEqual(product.value, a.value * b.value)
+        np.testing.assert_allclose(product.covariance, [[J @ est.covariance(a, b) @ J]], rtol=1e-12)
+        a.bound(-1.0, 1.0) if a.value < 1 else a.bound(0.0, 10.0)
+        measurements[3].remove()
+        fit = est.optimize()
+        self.assertEqual(fit.measurements, 11)
+        self.assertEqual([p.name for p in fit.parameters], ["a", "b"])
+        np.testing.assert_allclose(fit.covariance, est.covariance(a, b))
+        self.assertIn("<table>", fit._repr_html_())
+        measurements[:3].remove()
+        with self.assertRaisesRegex(slom.Error, "stale"):
+            measurements[:3].residuals
+        self.assertTrue(est.update().converged)
+
+    def test_a_failed_insertion_leaves_nothing(self):
+        est = slom.Estimator()
+        x = est.variable(0.0, "x")
+        with self.assertRaises(slom.Error):
+            est.measure(lambda x, z: x - z, x, np.ones(3), sigma=[1.0, 1.0, -1.0])
+        with self.assertRaises(slom.Error):
+            est.measure(lambda x, z: x - z, x, np.ones(3), group=[1, 2])
+        self.assertEqual(est.residuals().size, 0)
+
+    def test_errors_have_parts(self):
+        est = slom.Estimator()
+        x = est.variable(0.0, "x")
+        with self.assertRaises(slom.Error) as raised:
+            est.measure(lambda x, z: x - z, x, np.ones(3), sigma=np.ones(2))
+        error = raised.exception
+        self.assertEqual((error.id, error.subject), ("slom.wrong-shape", "sigma"))
+        self.assertTrue(str(error).endswith(error.remedy))
+        for value in ("text", [[1], [2, 3]], np.nan, None, object()):
+            with self.assertRaises(slom.Error):
+                est.variable(value)
+        with self.assertRaisesRegex(slom.Error, "different lengths"):
+            est.variable([[1], [2, 3]])
+        with self.assertRaisesRegex(slom.Error, "in place of a variable"):
+            est.covariance(3.0)
+        with self.assertRaisesRegex(slom.Error, "one of"):
+            est.use_algorithm("simplex")
+
+
+class Unrecorded(unittest.TestCase):
+    """Functions that cannot be recorded, or whose formula would be another function."""
+
+    def setUp(self):
+        self.est = slom.Estimator()
+        self.x = self.est.variable(1.0, "x")
+
+    def warned(self, f, words, *data):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            self.est.measure(f, self.x, *data, sigma=0.1)
+        self.assertEqual(len(caught), 1)
+        self.assertIs(caught[0].category, slom.SlowFunctionWarning)
+        self.assertIn(words, str(caught[0].message))
+        fit = self.est.optimize()
+        self.assertTrue(fit.converged, fit)
+        self.assertIn("numeric", str(fit))
+
+    def test_a_branch_is_called_as_it_is(self):
+        self.warned(lambda x, z: x * x - z if x > 0 else -x - z, "slom.where", np.array([1.9, 2.0, 2.1]))
+        self.assertAlmostEqual(self.x.value, np.sqrt(2.0), places=6)
+
+    def test_a_hidden_branch_is_seen(self):
+        def f(x, z):
+            return (x - z) if isinstance(x, float) else (x + z)
+
+        self.warned(f, "depends on more than its arguments", np.array([1.9, 2.0, 2.1]))
+        self.assertAlmostEqual(self.x.value, 2.0, places=6)
+
+    def test_mistakes_of_the_function_are_the_users(self):
+        def f(x, z):
+            raise ZeroDivisionError("mine")
+
+        with self.assertRaisesRegex(ZeroDivisionError, "mine"):
+            self.est.measure(f, self.x, np.ones(2))
+        with self.assertRaisesRegex(slom.Error, "returns 2 numbers for row 1 and 1 for row 0"):
+            self.est.measure(
+                lambda x, z: x - z if isinstance(z, slom.Number) or z < 2 else [x, x], self.x, np.array([1.0, 2.0])
+            )
+        self.assertEqual(self.est.residuals().size, 0)
+
+    def test_an_exception_within_a_fit_names_the_measurement(self):
+        def f(x):
+            if x < 0.9:
+                raise ZeroDivisionError("mine")
+            return x * x
+
+        self.est.measure(f, self.x, trace=False, name="own")
+        with self.assertRaisesRegex(slom.Error, "own #1 threw an exception .ZeroDivisionError: mine. at x =") as raised:
+            self.est.optimize()
+        self.assertIsInstance(raised.exception.__cause__, ZeroDivisionError)
+
+    def test_many_threads_call_python(self):
+        self.est.set_threads(4)
+        self.est.measure(lambda x, z: x - z, self.x, np.linspace(0, 1, 3000), trace=False)
+        self.assertTrue(self.est.optimize().converged)
+        self.assertAlmostEqual(self.x.value, 0.5, places=9)
+
+
+class Control(unittest.TestCase):
+    def slow(self):
+        est = slom.Estimator()
+        x = est.variable(1.0, "x")
+
+        def f(x):
+            time.sleep(0.01)
+            return np.exp(-x)
+
+        est.measure(f, x, trace=False)
+        return est, x
+
+    def test_ctrl_c_ends_a_fit_with_the_best_values(self):
+        est, x = self.slow()
+        timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+        timer.start()
+        with self.assertRaises(KeyboardInterrupt):
+            est.optimize(max_iterations=10000, gradient_tolerance=0, decrease_tolerance=0, step_tolerance=0)
+        self.assertGreater(x.value, 1.0)
+
+    def test_an_observer_may_end_a_fit(self):
+        est, x = self.slow()
+        seen = []
+
+        def observe(record):
+            seen.append(record.rss)
+            return len(seen) < 3
+
+        fit = est.optimize(observer=observe)
+        self.assertEqual(len(seen), 3)
+        self.assertFalse(fit.converged)
+
+    def test_estimators_fit_in_several_threads(self):
+        results = []
+
+        def fit(k):
+            est = slom.Estimator()
+            x = est.variable(0.0, "x")
+            est.measure(lambda x, z: x - z - k, x, np.arange(1000.0))
+            est.optimize()
+            results.append(x.value - k)
+
+        threads = [threading.Thread(target=fit, args=(k,)) for k in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        np.testing.assert_allclose(results, 499.5)
+
+
+class CurveFit(unittest.TestCase):
+    def setUp(self):
+        rng = np.random.default_rng(SEED)
+        self.x = np.linspace(0, 4, 50)
+        self.y = self.f(self.x, 2.5, 1.3, 0.5) + 0.2 * rng.normal(size=50)
+
+    @staticmethod
+    def f(x, a, b, c):
+        return a * np.exp(-b * x) + c
+
+    def test_unpacks_as_in_scipy(self):
+        popt, pcov = slom.curve_fit(self.f, self.x, self.y)
+        A = np.stack([np.exp(-popt[1] * self.x), -popt[0] * self.x * np.exp(-popt[1] * self.x), np.ones(50)], axis=1)
+        r = self.f(self.x, *popt) - self.y
+        np.testing.assert_allclose(A.T @ r, 0, atol=1e-7)
+        np.testing.assert_allclose(pcov, np.linalg.inv(A.T @ A) * (r @ r) / 47, rtol=1e-6)
+        _, absolute = slom.curve_fit(self.f, self.x, self.y, sigma=np.full(50, 0.3), absolute_sigma=True)
+        np.testing.assert_allclose(absolute, np.linalg.inv(A.T @ A) * 0.09, rtol=1e-6)
+        _, joint = slom.curve_fit(self.f, self.x, self.y, sigma=0.09 * np.eye(50), absolute_sigma=True)
+        np.testing.assert_allclose(joint, absolute, rtol=1e-6)
+
+    def test_has_names_and_intervals(self):
+        fit = slom.curve_fit(self.f, self.x, self.y, bounds=([0, 0, -1], [10, 10, 10]))
+        self.assertEqual(fit.names, ["a", "b", "c"])
+        self.assertLess(fit.profile("b").lower, fit["b"].value)
+        self.assertEqual(len(fit.intervals().rows), 3)
+
+    def test_functions_of_all_of_x(self):
+        g = lambda x, a, b: np.cumsum(a * x) + b
+        popt, _ = slom.curve_fit(g, self.x, self.y)
+        A = np.stack([np.cumsum(self.x), np.ones(50)], axis=1)
+        np.testing.assert_allclose(popt, np.linalg.lstsq(A, self.y, rcond=None)[0], rtol=1e-8)
+        popt, _ = slom.curve_fit(lambda x, a, b: a * x[0] + b * x[1], np.stack([self.x, self.x**2]), self.y)
+        A = np.stack([self.x, self.x**2], axis=1)
+        np.testing.assert_allclose(popt, np.linalg.lstsq(A, self.y, rcond=None)[0], rtol=1e-8)
+
+    def test_bad_input(self):
+        with self.assertRaisesRegex(slom.Error, "one value of ydata"):
+            slom.curve_fit(self.f, self.x, self.y[:3])
+        with self.assertRaisesRegex(slom.Error, "start values for 3 parameters"):
+            slom.curve_fit(self.f, self.x, self.y, p0=[1, 2])
+        with self.assertRaisesRegex(slom.Error, "not finite in row 7"):
+            slom.curve_fit(self.f, self.x, np.where(np.arange(50) == 7, np.nan, self.y))
+        with self.assertRaises(RuntimeError):
+            slom.curve_fit(self.f, self.x, self.y, max_iterations=1)
+        self.assertEqual(slom.curve_fit(self.f, self.x, np.where(np.arange(50) == 7, np.nan, self.y), nan_policy="omit").fit.measurements, 49)
+
+
+if __name__ == "__main__":
+    unittest.main()
