@@ -7,7 +7,9 @@
     print(est.optimize(), centre.value, centre.std)
 """
 
+from . import _functions  # noqa: F401  (tells NumPy what to do with recorded numbers)
+from ._array import array
 from ._slom import Condition, Error, Estimator, Number, Summary, Variable
 from ._where import where
 
-__all__ = ["Condition", "Error", "Estimator", "Number", "Summary", "Variable", "where"]
+__all__ = ["Condition", "Error", "Estimator", "Number", "Summary", "Variable", "array", "where"]

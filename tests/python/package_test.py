@@ -91,9 +91,8 @@ class Recording(unittest.TestCase):
 
     def test_values_are_not_known(self):
         self.refused(lambda x, p: x if x[0] > 0 else -x, "branch")
-        self.refused(lambda x, p: float(x[0]), "value", "slom.where")
+        self.refused(lambda x, p: float(x[0]), "value", "slom.array")
         self.refused(lambda x, p: math.sin(x[0]), "value")
-        self.refused(lambda x, p: np.where(x > p, x, p), "branch")
         self.refused(lambda x, p: "text", "str")
         self.refused(lambda x, p: None, "NoneType")
 
