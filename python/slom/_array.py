@@ -37,13 +37,13 @@ class Array(np.ndarray):
     def astype(self, dtype, *options, **named_options):
         dtype = np.dtype(dtype)
         if dtype not in (np.dtype(float), np.dtype(object)):
-            refuse(f"astype({dtype})", "use np.floor or np.trunc for integers, and drop other conversions")
+            refuse("x.astype", "use np.floor or np.trunc for integers, and drop other conversions")
         return self.copy() if dtype == object else self + 0.0
 
 
 def _refused_method(name):
     def method(self, *arguments, **options):
-        refuse(f"the method {name}")
+        refuse(f"x.{name}")
 
     return method
 

@@ -103,10 +103,11 @@ def apply_ufunc(ufunc, method, inputs, options):
     own = ufunc if takes_objects_only else _UFUNCS.get(ufunc.__name__)
     if own is None:
         refuse(name)
+    _check_matrix(inputs)
     if method == "at":
         refuse(name + ".at", "write x[i] = ... for each index")
     if is_recorded(options.get("where", True)) or ("where" in options and method == "__call__"):
-        refuse(name + "(where=...)", "write slom.where(condition, a, b)")
+        refuse(name + " with where=", "write slom.where(condition, a, b)")
     for key in ("dtype", "casting", "order", "subok", "signature"):
         options.pop(key, None)
     out = options.pop("out", None)
@@ -125,6 +126,11 @@ def apply_ufunc(ufunc, method, inputs, options):
 
 def _plain(x):
     return np.asarray(x) if is_recorded(x) else x
+
+
+def _check_matrix(arguments):
+    if any(isinstance(x, np.matrix) for x in arguments):
+        refuse("np.matrix")
 
 
 def _check_out(name, out):
@@ -164,7 +170,7 @@ def _select(conditions, choices, default=0):
 
 def _where(condition, *sides):
     if len(sides) != 2:
-        refuse("np.where(condition)", "write np.where(condition, a, b)")
+        refuse("np.where of a condition alone", "write np.where(condition, a, b)")
     return where(condition, *sides)
 
 
@@ -229,7 +235,8 @@ def apply_function(function, arguments, options):
     """Computes a function of NumPy for arguments of which at least one is recorded."""
     own = _OWN.get(function)
     if own is None and function not in _WRITTEN:
-        refuse(f"{function.__module__}.{function.__name__}".replace("numpy.", "np.", 1))
+        refuse(f"{function.__module__}.{function.__name__}".replace("numpy.", "np.", 1).rstrip("_"))
+    _check_matrix(arguments)
     arguments = [_argument(x) for x in arguments]
     options = {name: _argument(x) for name, x in options.items()}
     return result((own or function._implementation)(*arguments, **options))

@@ -19,12 +19,14 @@ _REMEDIES = {
     _BRANCH: "argwhere count_nonzero extract flatnonzero nonzero piecewise place putmask trim_zeros",
     _COMPARE: "allclose array_equal array_equiv isclose",
     _FACTORS: "cholesky eig eigh eigvals eigvalsh lstsq pinv qr svd roots matrix_rank cond slogdet polyfit",
-    _ROUND: "around rint round round_",
+    _ROUND: "around rint round",
     "interpolate data before est.measure, or write the pieces with slom.where": "interp",
     "write start + (stop - start) * np.linspace(0, 1, n)": "linspace",
     "use np.trunc(x) and x - np.trunc(x)": "modf",
     "add 2 * np.pi * n with n from data, or return np.sin and np.cos of the angle": "unwrap",
     "write x < 0": "signbit",
+    "use np.clip(x, low, high)": "clip",
+    "use np.array and @": "matrix",
 }
 _REMEDY_OF = {name: remedy for remedy, names in _REMEDIES.items() for name in names.split()}
 

@@ -22,9 +22,8 @@ thread_local std::optional<Condition> refused;
 [[noreturn]] void raiseBranch() {
   throw mtk::Error(
       "slom.traced-branch",
-      "the measurement function branches on a recorded number, whose value is not known yet; write "
-      "slom.where(condition, a, b) for if, & | ~ for and or not, np.maximum for max, and slom.array for "
-      "np.array in a comparison",
+      "the measurement function branches on a recorded number; write slom.where(condition, a, b) for if, "
+      "& | ~ for and or not, np.maximum for max, and slom.array([a, b]) for lists that NumPy compares",
       "measure");
 }
 
@@ -137,15 +136,21 @@ nb::object notImplemented() { return nb::borrow(nb::handle(Py_NotImplemented)); 
 /// Declares an operator of numbers: `name` takes the right operand, `reflected` the left one.
 template <class F>
 void defineOperator(nb::class_<Number>& number, const char* name, const char* reflected, F f) {
-  number.def(name, [f](const Number& a, nb::handle other) {
-    const std::optional<Number> b = operandOf(other);
-    return b ? nb::cast(f(a, *b)) : notImplemented();
-  });
+  number.def(
+      name,
+      [f](const Number& a, nb::handle other) {
+        const std::optional<Number> b = operandOf(other);
+        return b ? nb::cast(f(a, *b)) : notImplemented();
+      },
+      nb::arg("other").none());
   if (reflected == nullptr) return;
-  number.def(reflected, [f](const Number& b, nb::handle other) {
-    const std::optional<Number> a = operandOf(other);
-    return a ? nb::cast(f(*a, b)) : notImplemented();
-  });
+  number.def(
+      reflected,
+      [f](const Number& b, nb::handle other) {
+        const std::optional<Number> a = operandOf(other);
+        return a ? nb::cast(f(*a, b)) : notImplemented();
+      },
+      nb::arg("other").none());
 }
 
 /// Declares an operator of conditions, which commutes.
@@ -155,8 +160,8 @@ void defineOperator(nb::class_<Condition>& condition, const char* name, const ch
     const std::optional<Condition> b = conditionOf(other);
     return b ? nb::cast(f(a, *b)) : notImplemented();
   };
-  condition.def(name, combine);
-  if (reflected != nullptr) condition.def(reflected, combine);
+  condition.def(name, combine, nb::arg("other").none());
+  if (reflected != nullptr) condition.def(reflected, combine, nb::arg("other").none());
 }
 
 /// Declares a function of two numbers. NumPy calls it as a method of entries of arrays.

@@ -186,6 +186,109 @@ distorted(x, p[0]) ; distorted(TABLE, x[0]) ; running_sum(x, p) ; Model()(x, p) 
 functools.partial(distorted, TABLE)(x[1]) ; copy.copy(x[0]) * 2 ; copy.deepcopy(x[0]) * 2 ; copy.deepcopy(x) * 2
 """
 
+# Sentences, each with the expressions that raise it. NAME stands for the function of the expression.
+REFUSED = """
+[slom.traced-value] float() needs the value of a recorded number, which is not known yet; use np.sin for math.sin, \
+slom.array or np.zeros(n, dtype=object) for an array of floats, and drop dtype=float
+    float(x[0]) ; math.sin(x[0]) ; math.hypot(x[0], 1) ; math.erf(x[0]) ; np.float64(x[0]) ; np.array(x, dtype=float)
+    np.asarray(x[0], float) ; np.asarray(x, float) ; operator.setitem(np.zeros(3), 0, x[0]) ; np.fromiter(x, float)
+    operator.setitem(np.zeros(4), slice(None), x) ; np.full(3, x[0], dtype=float) ; np.array(list(x), float)
+[slom.traced-value] int() needs the value of a recorded number, which is not known yet; use np.floor, or np.trunc, \
+which rounds towards 0
+    int(x[0]) ; int(p[0])
+[slom.traced-value] bool() needs the value of a recorded number, which is not known yet; write slom.where(x != 0, a, b)
+    bool(x[0]) ; x if x[0] else p ; not x[0] ; x[0] and x[1] ; x[0] or 1 ; any(x)
+[slom.traced-value] round() needs the value of a recorded number, which is not known yet; use np.floor(x + 0.5)
+    round(x[0]) ; round(x[0], 2)
+[slom.traced-value] an index needs the value of a recorded number, which is not known yet; look up data before \
+est.measure and pass the result as an argument
+    range(x[0]) ; list(TABLE)[x[0]] ; [1, 2][p[0]] ; [1, 2] * x[0]
+[slom.traced-index] an index or a mask depends on recorded numbers; write slom.where(condition, a, b), or select data \
+before est.measure
+    x[x > 0] ; p[x[0] > 0] ; x[x[0]] ; x[[x[0]]] ; Q[:, p[:3] > 0] ; operator.setitem(x, x > 0, 1.0)
+[slom.traced-branch] the measurement function branches on a recorded number; write slom.where(condition, a, b) for if, \
+& | ~ for and or not, np.maximum for max, and slom.array([a, b]) for lists that NumPy compares
+    x if x[0] > 0 else -x ; x[0] > 0 and x[1] > 0 ; x[0] > 0 or x[1] > 0 ; not x[0] > 0 ; max(x[0], x[1]) ; min(x)
+    sorted(x) ; x if (x > 0).all() else p ; 0 < x[0] < 1 ; x[0] in [p[0], 1] ; np.array(x > 0, dtype=bool)
+    x if p[0] > 0 else -x ; x if x[0] == 0 else p ; np.max([x[0], x[1]]) ; np.argmax([x[0], x[1]])
+    np.array([x[0], x[1]]) == 3 ; np.array([x[0], x[1]]) != x[0:2].tolist() ; np.array([x[0], x[1]]) > 3
+    np.array_equal(np.array(x), np.array(x)) ; np.sort(np.array([x[0], x[1]])) ; np.maximum(np.array([x[0], x[1]]), 0)
+    np.sign(np.array([x[0], x[1]])) ; np.unique(np.array([x[0], x[1]])) ; np.clip(np.array([x[0], x[1]]), 0, 1)
+[slom.traced-condition] arithmetic needs numbers, but got a condition; write slom.where(condition, 1.0, 0.0)
+    (x > 0) * x ; (x[0] > 0) * x[0] ; x[0] * (x[0] > 0) ; np.sum(x > 0) ; 1 - (x[0] > 0) ; (x > 0) + (p > 0)
+    float(x[0] > 0) ; -(x[0] > 0) ; (x > 0).astype(float) ; np.sin(x > 0) ; (x > 0).mean() ; (x > 0) * 1.0
+[slom.traced-complex] recorded numbers are real; write the real and the imaginary part as numbers of their own
+    complex(x[0]) ; 1j * x[0] ; x[0] * 1j ; x * 1j ; np.exp(1j * x)
+[slom.traced-key] a recorded number has no hash, so dictionaries, sets and cached functions cannot hold it; keep it in \
+a list or a variable
+    {x[0]: 1} ; {x[0]} ; hash(x[0] > 0) ; functools.lru_cache(abs)(x[0])
+[slom.traced-pickle] a recorded number exists during the call of the measurement function only and cannot be pickled; \
+pickle the values of variables
+    pickle.dumps(x[0]) ; pickle.dumps(x) ; pickle.dumps(x[0] > 0)
+[slom.traced-out] np.add cannot store recorded numbers in an array of float64; make the array by \
+np.zeros(n, dtype=object), or write a = a + b for a += b
+    operator.iadd(np.zeros(4), x) ; operator.iadd(np.zeros(4), x[0]) ; np.add(x, p, out=np.zeros(4))
+[slom.traced-entry] an array of recorded numbers has an entry of type NoneType; pass numbers, all rows of one length
+    np.array([x[0], None]) + x[0] ; np.empty_like(x) + x
+[slom.traced-result] a measurement function returned a value of type Condition; return a number, a NumPy array, or a \
+list of such
+    x[0] > 0 ; x > 0 ; [x[0], x[0] > 0]
+[slom.traced-function] NAME does not take recorded numbers; sort and select data before est.measure; for recorded \
+numbers, use np.maximum, np.minimum or slom.where
+    np.sort(x) ; np.argsort(x) ; np.argmax(x) ; np.argmin(p) ; x.argmax() ; x.sort() ; np.median(x) ; np.percentile(x, 50)
+    np.unique(x) ; np.partition(x, 1) ; np.quantile(x, 0.5) ; np.lexsort(x)
+[slom.traced-function] NAME does not take recorded numbers; look up data before est.measure and pass the result as an \
+argument
+    np.searchsorted(TABLE, x[0]) ; np.digitize(x, TABLE) ; np.choose([0, 1, 0, 1], [x, p]) ; np.histogram(x)
+[slom.traced-function] NAME does not take recorded numbers; interpolate data before est.measure, or write the pieces \
+with slom.where
+    np.interp(x[0], TABLE, TABLE) ; np.interp(p, TABLE, TABLE)
+[slom.traced-function] NAME does not take recorded numbers; remove rows that are not finite before est.measure
+    np.isnan(x) ; np.isfinite(x[0]) ; np.isinf(p) ; np.nan_to_num(x) ; np.nansum(x) ; np.nanmax(x)
+[slom.traced-function] NAME does not take recorded numbers; write slom.where(condition, a, b)
+    np.nonzero(x) ; np.count_nonzero(x) ; np.piecewise(x, [x > 0], [1, 2])
+[slom.traced-function] NAME does not take recorded numbers; compare with == or <, and pass the condition to slom.where
+    np.isclose(x, p) ; np.allclose(x, p) ; np.array_equal(x, p)
+[slom.traced-function] NAME does not take recorded numbers; make the factors variables and return the defining \
+equations as residuals
+    np.linalg.svd(Q * x[0]) ; np.linalg.eigh(np.outer(x, x)) ; np.linalg.lstsq(Q * x[0], p[:2]) ; np.linalg.qr(Q * x[0])
+    np.linalg.cholesky(np.outer(x, x)) ; np.linalg.pinv(Q * x[0])
+[slom.traced-function] NAME of a matrix of shape 5 x 5 does not take recorded numbers; use up to 4 rows, or make the \
+result a variable and return a @ x - b as the residual
+    np.linalg.inv(np.eye(5) * x[0]) ; np.linalg.det(np.eye(5) * x[0]) ; np.linalg.solve(np.eye(5) * x[0], np.ones(5))
+[slom.traced-function] NAME of this order does not take recorded numbers; use a number other than 0 or np.inf for \
+vectors, and 'fro', 1 or np.inf for matrices
+    np.linalg.norm(Q * x[0], 2) ; np.linalg.norm(x, 0) ; np.linalg.norm(Q * x[0], "nuc") ; np.linalg.norm(x, "fro")
+[slom.traced-function] NAME does not take recorded numbers; use np.floor(x + 0.5)
+    np.round(x) ; np.around(x, 2) ; np.rint(x) ; x.round()
+[slom.traced-function] NAME does not take recorded numbers; use np.floor or np.trunc for integers, and drop other \
+conversions
+    x.astype(int) ; x.astype(np.float32)
+[slom.traced-function] NAME does not take recorded numbers; write start + (stop - start) * np.linspace(0, 1, n)
+    np.linspace(0, x[0], 3)
+[slom.traced-function] NAME does not take recorded numbers; use np.trunc(x) and x - np.trunc(x)
+    np.modf(x)
+[slom.traced-function] NAME does not take recorded numbers; write x < 0
+    np.signbit(x)
+[slom.traced-function] NAME does not take recorded numbers; add 2 * np.pi * n with n from data, or return np.sin and \
+np.cos of the angle
+    np.unwrap(x)
+[slom.traced-function] NAME of a condition alone does not take recorded numbers; write np.where(condition, a, b)
+    np.where(x > 0)
+[slom.traced-function] NAME does not take recorded numbers; use np.array and @
+    np.matrix(A) * x[0]
+[slom.traced-function] NAME with where= does not take recorded numbers; write slom.where(condition, a, b)
+    np.add(x, p, where=MASK) ; np.add(x, p, where=x > 0) ; np.add.reduce(x, where=x > 0)
+[slom.traced-function] NAME does not take recorded numbers; write x[i] = ... for each index
+    np.add.at(x, [0], 1)
+[slom.traced-function] NAME with an ellipsis or lists of axes does not take recorded numbers; name all axes, as in \
+np.einsum("ij,j->i", A, x)
+    np.einsum("...i,i", Q, x[:3]) ; np.einsum(x, [0], p, [0])
+[slom.traced-function] NAME does not take recorded numbers; write it with operators, slom.where and the functions of \
+docs/python_functions.md
+    np.gradient(x) ; np.ldexp(x, 2) ; np.frexp(x) ; np.nextafter(x, p) ; np.fft.fft(x) ; np.gcd(x, 2)
+"""
+
 
 def table(text):
     return [entry.strip() for line in text.splitlines() for entry in line.split(" ; ") if entry.strip()]
@@ -242,6 +345,89 @@ class Expressions(unittest.TestCase):
             except Exception as error:
                 failed.append(f"{expression}\n    {type(error).__name__}: {str(error).strip()[:600]}")
         self.assertFalse(failed, f"SLOM_SEED={SEED}, NumPy {np.__version__}:\n" + "\n".join(failed))
+
+
+def refusals():
+    """Returns pairs of an expression and its sentence."""
+    pairs, sentence = [], ""
+    for line in REFUSED.strip().splitlines():
+        if line.startswith("["):
+            sentence = line
+        else:
+            for expression in table(line):
+                name = expression.partition("(")[0].removesuffix(".reduce")
+                pairs.append((expression, sentence.replace("NAME", name)))
+    return pairs
+
+
+class Sentences(unittest.TestCase):
+    def measure(self, f):
+        est = slom.Estimator()
+        x = est.variable([0.4, -1.3, 2.1, 0.7], "x")
+        est.measure(f, x, TABLE[None], np.ones((1, 2, 3)))
+        return est.residuals()
+
+    def test_each_word(self):
+        for expression, sentence in refusals():
+            with self.subTest(expression), warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # NumPy 1.24 turns an error of == into a warning
+                with self.assertRaises(slom.Error) as raised:
+                    self.measure(call(expression))
+                self.assertEqual(str(raised.exception), sentence)
+
+    def test_an_error_leaves_nothing_behind(self):
+        with self.assertRaises(slom.Error):
+            self.measure(lambda x, p, Q: x if x[0] > 0 else p)
+        np.testing.assert_array_equal(self.measure(lambda x, p, Q: x), [0.4, -1.3, 2.1, 0.7])
+
+    def test_numbers_of_another_call(self):
+        kept = []
+        self.measure(lambda x, p, Q: kept.append(x) or x)
+        with self.assertRaises(slom.Error) as raised:
+            self.measure(lambda x, p, Q: x + kept[0])
+        self.assertEqual(
+            str(raised.exception),
+            "[slom.traced-elsewhere] a number of a traced measurement function is used outside of the call that made "
+            "it; do not keep numbers from one call to the next",
+        )
+
+
+class Objects(unittest.TestCase):
+    """What recorded numbers are besides numbers."""
+
+    def test_texts(self):
+        def f(x, p):
+            self.assertEqual(f"{x:.3f} {x > 0} {x * 0 + 1.5:.2f}", "<recorded number> <recorded condition> 1.50")
+            self.assertEqual(str(p), "[<recorded number> <recorded number>]")
+            self.assertFalse(x == None or x == "a" or (x > 0) == None)  # noqa: E711
+            return x
+
+        est = slom.Estimator()
+        est.measure(f, est.variable(1.0), np.ones((1, 2)))
+
+    def test_changes_stay_in_the_argument(self):
+        def f(x, y):
+            x += 1
+            x[0] *= 2
+            return np.concatenate([x, y])
+
+        est = slom.Estimator()
+        x = est.variable([1.0, 2.0])
+        est.measure(f, x, x)
+        np.testing.assert_array_equal(est.residuals(), [4, 3, 1, 2])
+        np.testing.assert_array_equal(x.value, [1, 2])
+
+    def test_integers_divide_exactly(self):
+        pairs = np.array([(a, b) for a in range(-60, 61) for b in (-49, -7, -3, 1, 3, 7, 10, 49)], float)
+        for f in (operator.floordiv, operator.mod, np.fmod):
+            est = slom.Estimator()
+            est.measure(lambda x, p: f(p[0], p[1]) + x, est.variable(0.0), pairs)
+            np.testing.assert_array_equal(est.residuals(), f(pairs[:, 0], pairs[:, 1]))
+
+    def test_plain_numbers_stay_plain(self):
+        self.assertEqual(slom.array([1, 2.5]).dtype, float)
+        self.assertEqual(slom.where(TABLE > 0, TABLE, 0).dtype, float)
+        self.assertIsInstance(slom.where(True, 1.0, 2.0), float)
 
 
 if __name__ == "__main__":
