@@ -127,10 +127,12 @@ np.vstack([x, p]) ; np.hstack([x, p[0], 1.0]) ; np.concatenate([x[:2], p[1:]]) ;
 np.append(x, 1.0) ; np.append(TABLE, x[0]) ; np.column_stack([x, p]) ; np.dstack([x, p]) ; np.block([[x, p], [p, x]])
 np.linalg.norm(x) ; np.linalg.norm(x - p) ; np.linalg.norm(Q * x[0], axis=0) ; np.linalg.norm(Q * x[0], axis=-1)
 np.linalg.norm(x, 1) ; np.linalg.norm(x, np.inf) ; np.linalg.norm(x, -np.inf) ; np.linalg.norm(x, 3)
-np.linalg.norm(x, ord=2) ; np.linalg.norm(Q * x[0], np.inf) ; np.linalg.norm(Q * x[:3], 1) ; np.linalg.norm(Q + x[0], "fro")
+np.linalg.norm(x, ord=2) ; np.linalg.norm(Q * x[0], np.inf) ; np.linalg.norm(Q * x[:3], 1)
+np.linalg.norm(Q + x[0], "fro")
 np.linalg.norm([x[0], 1.0, p[2]]) ; np.linalg.norm(np.array([x[0], 1.0, p[2]])) ; np.linalg.norm(Q * x[0], -1, (1, 0))
 np.linalg.norm(Q * x[0], axis=1, keepdims=True) ; np.linalg.norm(slom.array([[x[0], 0], [0, 1.0]]), axis=1)
-np.cross(x[:3], p[:3]) ; np.cross(TABLE[:3], x[:3]) ; np.cross(Q, x[:3]) ; np.dot(x, p) ; np.dot(Q, x[:3]) ; np.dot(x, TABLE)
+np.cross(x[:3], p[:3]) ; np.cross(TABLE[:3], x[:3]) ; np.cross(Q, x[:3]) ; np.dot(x, p) ; np.dot(Q, x[:3])
+np.dot(x, TABLE)
 x.dot(TABLE) ; TABLE.dot(x) ; np.inner(x, p) ; np.inner(TABLE, x) ; np.outer(x, TABLE) ; np.outer(TABLE, x)
 np.vdot(x, p) ; np.trace(A * x[0]) ; np.trace(np.outer(x, p)) ; x @ p ; TABLE @ x ; Q @ x[:3] ; A @ x[:3] ; x[:3] @ A
 np.matmul(A, x[:3]) ; np.matmul(Q * x[0], A) ; np.tensordot(Q, x[:3], 1) ; np.kron(x[:2], TABLE[:2])
@@ -140,49 +142,77 @@ np.einsum("ij,jk,k->i", Q, A, x[:3], optimize=True) ; np.einsum("i,i,i", x, x, p
 np.linalg.multi_dot([Q, A, x[:3]]) ; np.linalg.matrix_power(np.outer(x[:2], p[:2]) + np.eye(2) * x[2], 3)
 
 np.sum(x) ; np.sum(Q * x[0], axis=0) ; x.sum() ; np.mean(x) ; np.mean(Q * x[0], axis=1) ; np.mean(x, dtype=float)
-np.prod(x) ; np.cumsum(x) ; x.cumsum() ; np.cumprod(x) ; np.diff(x) ; np.diff(x, 2) ; np.add.reduce(x) ; np.var(x) ; np.std(x)
+np.prod(x) ; np.cumsum(x) ; x.cumsum() ; np.cumprod(x) ; np.diff(x) ; np.diff(x, 2) ; np.add.reduce(x) ; np.var(x)
+np.std(x)
 np.add.accumulate(x) ; np.sum(x, where=MASK) ; np.sum([x[0], p[1]]) ; np.average(x, weights=TABLE**2) ; np.ptp(x)
 np.max(x) ; np.min(x) ; x.max() ; np.amin(x) ; np.max(Q * x[0], axis=0) ; np.max(Q * x[0]) ; np.maximum.reduce(x)
 np.maximum(x, p) ; np.maximum(x, 0) ; np.maximum(0.5, x[0]) ; np.minimum(TABLE, x) ; np.minimum(x[0], TABLE)
-np.fmax(x, 0) ; np.fmin(x, p) ; np.maximum.accumulate(x) ; np.clip(x, -0.5, 0.5) ; np.clip(x[0], 0, 1) ; x.clip(0, None)
+np.fmax(x, 0) ; np.fmin(x, p) ; np.maximum.accumulate(x) ; np.clip(x, -0.5, 0.5) ; np.clip(x[0], 0, 1)
+x.clip(0, None)
 np.clip(x, None, 0.5) ; np.clip(TABLE, x[0] - 1, x[0] + 1) ; np.maximum(x[0], x[1])
 np.abs(x) ; abs(x) ; abs(x[0]) ; np.abs(x[0]) ; np.fabs(x) ; np.sign(x) * x ; np.sign(x[0]) ; np.copysign(x, p)
-np.heaviside(x, 0.5) * x ; np.floor(3 * x) + x ; np.ceil(3 * x) + x ; np.trunc(3 * x) + x ; np.fix(3 * x) ; math.floor(3 * x[0]) ; math.ceil(x[0])
+np.heaviside(x, 0.5) * x ; np.floor(3 * x) + x ; np.ceil(3 * x) + x ; np.trunc(3 * x) + x ; np.fix(3 * x)
+math.floor(3 * x[0]) ; math.ceil(x[0])
 math.trunc(3 * x[0]) ; np.trapz(x) if hasattr(np, "trapz") else np.trapezoid(x)
 
-x % p ; x % 0.7 ; x[0] % 0.7 ; 5 % x[0] ; x // 0.7 + x ; x[0] // p[0] ; 5 // x[0] ; np.mod(x, 0.7) ; np.remainder(TABLE, x)
-np.fmod(3 * x, 0.7) ; np.fmod(TABLE, x) ; divmod(x[0], 0.7) ; np.divmod(x, 0.7) ; np.floor_divide(x, p) ; -x % -0.3 ; TABLE % x[0]
+x % p ; x % 0.7 ; x[0] % 0.7 ; 5 % x[0] ; x // 0.7 + x ; x[0] // p[0] ; 5 // x[0] ; np.mod(x, 0.7)
+np.remainder(TABLE, x)
+np.fmod(3 * x, 0.7) ; np.fmod(TABLE, x) ; divmod(x[0], 0.7) ; np.divmod(x, 0.7) ; np.floor_divide(x, p) ; -x % -0.3
+TABLE % x[0]
 np.float64(5) % x[0] ; (x + np.pi) % (2 * np.pi) - np.pi
-x**2 ; x**3 ; x**4 ; x**-1 ; x**-2 ; x**0 ; x**1 ; abs(x) ** 0.5 ; abs(x) ** 1.5 ; abs(x) ** -0.3 ; abs(x) ** p ; abs(x[0]) ** x[1]
-2**x ; 2.0 ** x[0] ; np.float64(2) ** x[0] ; TABLE**2 * x ; abs(TABLE) ** x ; abs(TABLE) ** x[0] ; x[0] ** 2 ; x[0] ** -3
-x[0] ** np.int64(3) ; x ** np.array([1, 2, 3, 4]) ; np.power(x, 2) ; np.power(abs(x), p) ; np.power(2.0, x) ; np.float_power(abs(x), 1.5)
-pow(x[0], 2) ; np.square(x) ; np.square(x[0]) ; np.reciprocal(x) ; np.cbrt(x) ; np.cbrt(x[0]) ; np.deg2rad(x) ; np.radians(x[0])
-np.rad2deg(x) ; np.degrees(x) ; np.exp2(x) ; np.logaddexp(x, p) ; np.logaddexp(x[0], 1.0) ; np.logaddexp2(x, 0.3) ; np.sinc(x)
+x**2 ; x**3 ; x**4 ; x**-1 ; x**-2 ; x**0 ; x**1 ; abs(x) ** 0.5 ; abs(x) ** 1.5 ; abs(x) ** -0.3 ; abs(x) ** p
+abs(x[0]) ** x[1]
+2**x ; 2.0 ** x[0] ; np.float64(2) ** x[0] ; TABLE**2 * x ; abs(TABLE) ** x ; abs(TABLE) ** x[0] ; x[0] ** 2
+x[0] ** -3
+x[0] ** np.int64(3) ; x ** np.array([1, 2, 3, 4]) ; np.power(x, 2) ; np.power(abs(x), p) ; np.power(2.0, x)
+np.float_power(abs(x), 1.5)
+pow(x[0], 2) ; np.square(x) ; np.square(x[0]) ; np.reciprocal(x) ; np.cbrt(x) ; np.cbrt(x[0]) ; np.deg2rad(x)
+np.radians(x[0])
+np.rad2deg(x) ; np.degrees(x) ; np.exp2(x) ; np.logaddexp(x, p) ; np.logaddexp(x[0], 1.0) ; np.logaddexp2(x, 0.3)
+np.sinc(x)
 np.sinc(x[0]) ; np.polyval([1.0, -2.0, 0.5], x) ; np.polyval(x, 0.7) ; np.polyval(x, TABLE) ; np.polyval([1, 2], x[0])
 np.polynomial.polynomial.polyval(x, [1.0, -2.0, 0.5]) ; np.polynomial.polynomial.polyval(0.7, x) ; np.hypot(x, p)
-np.hypot(x, 1.0) ; np.hypot(1.0, x) ; np.hypot(TABLE, x[0]) ; np.arctan2(x, p) ; np.arctan2(1.0, x) ; np.arctan2(x, 1) ; np.arctan2(TABLE, x)
-np.sqrt(x * x + 1) ; np.sin(x) ; np.sin(x[0]) ; np.cos(x) ; np.tan(x) ; np.arcsin(x / 9) ; np.arccos(x / 9) ; np.arctan(x)
-np.sinh(x) ; np.cosh(x) ; np.tanh(x) ; np.arcsinh(x) ; np.arccosh(x * x + 1.5) ; np.arctanh(x / 9) ; np.exp(x) ; np.expm1(x)
-np.log(x * x) ; np.log1p(x * x) ; np.log10(x * x) ; np.log2(x * x) ; np.sqrt(slom.array([x[0] ** 2, 4.0])) ; np.positive(x)
+np.hypot(x, 1.0) ; np.hypot(1.0, x) ; np.hypot(TABLE, x[0]) ; np.arctan2(x, p) ; np.arctan2(1.0, x) ; np.arctan2(x, 1)
+np.arctan2(TABLE, x)
+np.sqrt(x * x + 1) ; np.sin(x) ; np.sin(x[0]) ; np.cos(x) ; np.tan(x) ; np.arcsin(x / 9) ; np.arccos(x / 9)
+np.arctan(x)
+np.sinh(x) ; np.cosh(x) ; np.tanh(x) ; np.arcsinh(x) ; np.arccosh(x * x + 1.5) ; np.arctanh(x / 9) ; np.exp(x)
+np.expm1(x)
+np.log(x * x) ; np.log1p(x * x) ; np.log10(x * x) ; np.log2(x * x) ; np.sqrt(slom.array([x[0] ** 2, 4.0]))
+np.positive(x)
 np.convolve(x, [1.0, 2.0]) ; np.negative(x) ; np.absolute(x) ; np.conj(x) * p ; np.real(x)
 
-np.linalg.det(A * x[0]) ; np.linalg.det(slom.array([[x[0], 1.0], [2.0, x[1]]])) ; np.linalg.det(A + skew(x[:3]) + x[0] * 0)
+np.linalg.det(A * x[0]) ; np.linalg.det(slom.array([[x[0], 1.0], [2.0, x[1]]]))
+np.linalg.det(A + skew(x[:3]) + x[0] * 0)
 np.linalg.inv(slom.array([[x[0] + 4, 1.0], [0.5, x[1] - 3]])) ; np.linalg.inv(A + 0.1 * slom.array(skew(x[:3])))
-np.linalg.inv(np.eye(4) * 5 + 0.1 * np.outer(x, p)) @ p ; np.linalg.solve(A, x[:3]) ; np.linalg.solve(A + 0.1 * slom.array(skew(x[:3])), p[:3])
+np.linalg.inv(np.eye(4) * 5 + 0.1 * np.outer(x, p)) @ p ; np.linalg.solve(A, x[:3])
+np.linalg.solve(A + 0.1 * slom.array(skew(x[:3])), p[:3])
 
-np.reshape(x, (2, 2)) @ p[:2] ; x.reshape(2, -1) ; np.transpose(Q * x[0]) ; (Q * x[0]).T ; np.ravel(Q * x[0]) ; np.atleast_1d(x[0]) * TABLE
-np.atleast_2d(x) ; np.asarray(x) - TABLE ; np.asarray(x[0]) + 1 ; np.asarray([x[0], 1.0]) * 2 ; np.array([x[0], 2.0]) + p[:2]
-np.array([x, p]) * 2 ; x[1:3] ; x[::-1] ; x[MASK] ; p[~MASK] * x[0] ; x[[0, 2]] ; x[np.array([3, 1])] ; x[-1] ; x[..., None] * TABLE
-Q[1] * x[:3] ; Q[:, 0] * x[0] ; np.squeeze(x[None]) ; np.expand_dims(x, 0) ; np.tile(x, 2) ; np.repeat(x, 2) ; np.roll(x, 1) ; np.flip(x)
-np.split(x, 2) ; np.zeros_like(x) + x ; np.ones_like(x) * x ; np.full_like(x, 2.0) - x ; np.full(3, x[0]) ; np.take(x, [1, 2])
-np.diag(x) ; np.diag(np.outer(x, p)) ; np.insert(x, 1, 2.0) ; np.delete(x, 1) ; np.triu(np.outer(x, p)) ; np.broadcast_to(x[0], 3)
-np.moveaxis(Q * x[0], 0, 1) ; np.shape(x)[0] * x[0] ; np.ndim(x[0]) + x[0] ; np.size(x) * x ; len(x) * x ; list(x) ; x.tolist()
-x.astype(float) ; x.copy() ; np.copy(x) ; x.flatten() ; np.meshgrid(x[:2], p[:2])[0] ; np.vectorize(lambda a: a * a)(x)
-np.apply_along_axis(lambda v: v * 2, 0, x) ; x.take([0]) ; np.array([a * 2 for a in x]) ; x.mean() - x.prod() ; copy.deepcopy(x) - p
+np.reshape(x, (2, 2)) @ p[:2] ; x.reshape(2, -1) ; np.transpose(Q * x[0]) ; (Q * x[0]).T ; np.ravel(Q * x[0])
+np.atleast_1d(x[0]) * TABLE
+np.atleast_2d(x) ; np.asarray(x) - TABLE ; np.asarray(x[0]) + 1 ; np.asarray([x[0], 1.0]) * 2
+np.array([x[0], 2.0]) + p[:2]
+np.array([x, p]) * 2 ; x[1:3] ; x[::-1] ; x[MASK] ; p[~MASK] * x[0] ; x[[0, 2]] ; x[np.array([3, 1])] ; x[-1]
+x[..., None] * TABLE
+Q[1] * x[:3] ; Q[:, 0] * x[0] ; np.squeeze(x[None]) ; np.expand_dims(x, 0) ; np.tile(x, 2) ; np.repeat(x, 2)
+np.roll(x, 1) ; np.flip(x)
+np.split(x, 2) ; np.zeros_like(x) + x ; np.ones_like(x) * x ; np.full_like(x, 2.0) - x ; np.full(3, x[0])
+np.take(x, [1, 2])
+np.diag(x) ; np.diag(np.outer(x, p)) ; np.insert(x, 1, 2.0) ; np.delete(x, 1) ; np.triu(np.outer(x, p))
+np.broadcast_to(x[0], 3)
+np.moveaxis(Q * x[0], 0, 1) ; np.shape(x)[0] * x[0] ; np.ndim(x[0]) + x[0] ; np.size(x) * x ; len(x) * x ; list(x)
+x.tolist()
+x.astype(float) ; x.copy() ; np.copy(x) ; x.flatten() ; np.meshgrid(x[:2], p[:2])[0]
+np.vectorize(lambda a: a * a)(x)
+np.apply_along_axis(lambda v: v * 2, 0, x) ; x.take([0]) ; np.array([a * 2 for a in x]) ; x.mean() - x.prod()
+copy.deepcopy(x) - p
 
-sum([x[0], x[1], 2.0]) ; sum(x) ; [a - b for a, b in zip(x, p)] ; [operator.sub(TABLE[0], a) for a in x] ; functools.reduce(operator.mul, x)
-filled(x, p) ; updated(x, p) ; scalar_updated(x, p) ; rodrigues(x[:3], p[:3]) ; rodrigues(p[:3], x[:3]) ; quaternion_product(x, p)
-distorted(x, p[0]) ; distorted(TABLE, x[0]) ; running_sum(x, p) ; Model()(x, p) ; Model().residual(x, p) ; smooth_table(x[0])
+sum([x[0], x[1], 2.0]) ; sum(x) ; [a - b for a, b in zip(x, p)] ; [operator.sub(TABLE[0], a) for a in x]
+functools.reduce(operator.mul, x)
+filled(x, p) ; updated(x, p) ; scalar_updated(x, p) ; rodrigues(x[:3], p[:3]) ; rodrigues(p[:3], x[:3])
+quaternion_product(x, p)
+distorted(x, p[0]) ; distorted(TABLE, x[0]) ; running_sum(x, p) ; Model()(x, p) ; Model().residual(x, p)
+smooth_table(x[0])
 functools.partial(distorted, TABLE)(x[1]) ; copy.copy(x[0]) * 2 ; copy.deepcopy(x[0]) * 2 ; copy.deepcopy(x) * 2
 """
 
@@ -278,7 +308,7 @@ np.cos of the angle
 [slom.traced-function] NAME does not take recorded numbers; use np.array and @
     np.matrix(A) * x[0]
 [slom.traced-function] NAME with where= does not take recorded numbers; write slom.where(condition, a, b)
-    np.add(x, p, where=MASK) ; np.add(x, p, where=x > 0) ; np.add.reduce(x, where=x > 0)
+    np.add(x, p, where=MASK) ; np.add(x, p, where=x > 0)
 [slom.traced-function] NAME does not take recorded numbers; write x[i] = ... for each index
     np.add.at(x, [0], 1)
 [slom.traced-function] NAME with an ellipsis or lists of axes does not take recorded numbers; name all axes, as in \
@@ -355,7 +385,7 @@ def refusals():
             sentence = line
         else:
             for expression in table(line):
-                name = expression.partition("(")[0].removesuffix(".reduce")
+                name = expression.partition("(")[0]
                 pairs.append((expression, sentence.replace("NAME", name)))
     return pairs
 
