@@ -59,15 +59,13 @@ def array(values):
 
 
 def recorded(a):
-    """Returns the array, or the number, as an Array. Numbers become recorded ones; conditions and bools stay.
-
-    An array of objects is changed in place, because it may be the output of a function."""
+    """Returns the array, or the number, as an Array. Numbers become recorded ones; conditions and bools stay."""
     a = np.asarray(a)
-    if not all(isinstance(x, (Number, Condition, bool)) for x in a.flat):
-        entries = a if a.dtype == object and a.flags.writeable else np.empty(a.shape, object)
-        entries[...] = _entries(a)
-        a = entries
-    return a.astype(object, copy=False).view(Array)
+    if all(isinstance(x, (Number, Condition, bool)) for x in a.flat):
+        return a.astype(object, copy=False).view(Array)
+    entries = np.empty(a.shape, object)
+    entries[...] = _entries(a)
+    return entries.view(Array)
 
 
 def result(x):

@@ -30,7 +30,7 @@ def _heaviside(x, at_zero):
 
 def _logaddexp(a, b):
     d = number(b - a)
-    return a + choose(d > 0, d + d.__neg__().exp().log1p(), d.exp().log1p())
+    return a + choose(d > 0, d + (-d).exp().log1p(), d.exp().log1p())
 
 
 def _logaddexp2(a, b):
@@ -43,6 +43,10 @@ def _truth(x):
 
 def _not(x):
     return not x if isinstance(x, bool) else ~x
+
+
+def _method(name):
+    return lambda x, *others: getattr(number(x), name)(*others)
 
 
 def _elementwise(function, count, **identity):
@@ -81,13 +85,13 @@ _UFUNCS = {
     "heaviside": _elementwise(_heaviside, 2),
     "logaddexp": _elementwise(_logaddexp, 2),
     "logaddexp2": _elementwise(_logaddexp2, 2),
-    # Functions of entries that are methods of Number; erf is SciPy's.
+    **{name: _elementwise(_method(name), 2) for name in ("hypot", "arctan2", "fmod")},
+    # erf is SciPy's.
     **{
-        name: _elementwise(lambda *x, name=name: getattr(number(x[0]), name)(*x[1:]), 2 if name in _BINARY else 1)
-        for _BINARY in (("hypot", "arctan2", "fmod"),)
+        name: _elementwise(_method(name), 1)
         for name in (
             "sqrt cbrt sin cos tan arcsin arccos arctan sinh cosh tanh arcsinh arccosh arctanh exp exp2 expm1 log log1p "
-            "log10 log2 erf fabs sign trunc deg2rad radians rad2deg degrees hypot arctan2 fmod"
+            "log10 log2 erf fabs sign trunc deg2rad radians rad2deg degrees"
         ).split()
     },
 }
@@ -113,7 +117,7 @@ def apply_ufunc(ufunc, method, inputs, options):
     out = options.pop("out", None)
     if out is not None:
         _check_out(name, out)
-        options["out"] = tuple(x.view(np.ndarray) for x in out)
+        options["out"] = tuple(map(_plain, out))
     if "where" in options:
         options.setdefault("initial", _INITIAL.get(ufunc.__name__, np._NoValue))
     count = len(inputs) if method in ("__call__", "outer") else 1  # the others are indices
@@ -237,9 +241,13 @@ def apply_function(function, arguments, options):
     if own is None and function not in _WRITTEN:
         refuse(f"{function.__module__}.{function.__name__}".replace("numpy.", "np.", 1).rstrip("_"))
     _check_matrix(arguments)
-    arguments = [_argument(x) for x in arguments]
-    options = {name: _argument(x) for name, x in options.items()}
-    return result((own or function._implementation)(*arguments, **options))
+    converted = [_argument(x) for x in arguments]
+    options = {name: x if name == "out" else _argument(x) for name, x in options.items()}
+    computed = (own or function._implementation)(*converted, **options)
+    for given, used in zip(arguments, converted):
+        if computed is used and isinstance(given, np.ndarray) and not isinstance(given, Array):  # an output
+            given[...] = computed
+    return result(computed)
 
 
 def _argument(x):

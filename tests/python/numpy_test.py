@@ -74,6 +74,13 @@ def updated(x, p):
     return np.concatenate([x, y])
 
 
+def written(function, *arguments):
+    """Gives the function an array to write to, by place."""
+    out = np.zeros(4, dtype=object)
+    function(*arguments, out)
+    return out
+
+
 def scalar_updated(x, p):
     a = x[0]
     a += p[0]
@@ -213,6 +220,7 @@ filled(x, p) ; updated(x, p) ; scalar_updated(x, p) ; rodrigues(x[:3], p[:3]) ; 
 quaternion_product(x, p)
 distorted(x, p[0]) ; distorted(TABLE, x[0]) ; running_sum(x, p) ; Model()(x, p) ; Model().residual(x, p)
 smooth_table(x[0])
+written(np.cumsum, x, 0, None) ; written(np.clip, x, 0, 1) ; written(np.add, x, p) ; written(np.sum, np.outer(x, p), 0, None)
 functools.partial(distorted, TABLE)(x[1]) ; copy.copy(x[0]) * 2 ; copy.deepcopy(x[0]) * 2 ; copy.deepcopy(x) * 2
 """
 
@@ -453,6 +461,12 @@ class Objects(unittest.TestCase):
             est = slom.Estimator()
             est.measure(lambda x, p: f(p[0], p[1]) + x, est.variable(0.0), pairs)
             np.testing.assert_array_equal(est.residuals(), f(pairs[:, 0], pairs[:, 1]))
+
+    def test_captured_objects_stay(self):
+        table = np.array([1, 2.5], dtype=object)
+        est = slom.Estimator()
+        est.measure(lambda x: np.sin(table * x) + np.concatenate([table[:1], x[:1]]), est.variable([1.0, 2.0]))
+        self.assertEqual([type(entry) for entry in table], [int, float])
 
     def test_plain_numbers_stay_plain(self):
         self.assertEqual(slom.array([1, 2.5]).dtype, float)
