@@ -90,8 +90,8 @@ _UFUNCS = {
     **{
         name: _elementwise(_method(name), 1)
         for name in (
-            "sqrt cbrt sin cos tan arcsin arccos arctan sinh cosh tanh arcsinh arccosh arctanh exp exp2 expm1 log log1p "
-            "log10 log2 erf fabs sign trunc deg2rad radians rad2deg degrees"
+            "sqrt cbrt sin cos tan arcsin arccos arctan sinh cosh tanh arcsinh arccosh arctanh exp exp2 expm1 log "
+            "log1p log10 log2 erf fabs sign trunc deg2rad radians rad2deg degrees"
         ).split()
     },
 }

@@ -6,8 +6,9 @@ import functools
 import math
 import operator
 import os
+import pathlib
 import pickle
-import random
+import re
 import time
 import unittest
 import warnings
@@ -220,7 +221,8 @@ filled(x, p) ; updated(x, p) ; scalar_updated(x, p) ; rodrigues(x[:3], p[:3]) ; 
 quaternion_product(x, p)
 distorted(x, p[0]) ; distorted(TABLE, x[0]) ; running_sum(x, p) ; Model()(x, p) ; Model().residual(x, p)
 smooth_table(x[0])
-written(np.cumsum, x, 0, None) ; written(np.clip, x, 0, 1) ; written(np.add, x, p) ; written(np.sum, np.outer(x, p), 0, None)
+written(np.cumsum, x, 0, None) ; written(np.clip, x, 0, 1) ; written(np.add, x, p)
+written(np.sum, np.outer(x, p), 0, None)
 functools.partial(distorted, TABLE)(x[1]) ; copy.copy(x[0]) * 2 ; copy.deepcopy(x[0]) * 2 ; copy.deepcopy(x) * 2
 """
 
@@ -273,8 +275,8 @@ list of such
     x[0] > 0 ; x > 0 ; [x[0], x[0] > 0]
 [slom.traced-function] NAME does not take recorded numbers; sort and select data before est.measure; for recorded \
 numbers, use np.maximum, np.minimum or slom.where
-    np.sort(x) ; np.argsort(x) ; np.argmax(x) ; np.argmin(p) ; x.argmax() ; x.sort() ; np.median(x) ; np.percentile(x, 50)
-    np.unique(x) ; np.partition(x, 1) ; np.quantile(x, 0.5) ; np.lexsort(x)
+    np.sort(x) ; np.argsort(x) ; np.argmax(x) ; np.argmin(p) ; x.argmax() ; x.sort()
+    np.median(x) ; np.percentile(x, 9) ; np.unique(x) ; np.partition(x, 1) ; np.quantile(x, 0.5) ; np.lexsort(x)
 [slom.traced-function] NAME does not take recorded numbers; look up data before est.measure and pass the result as an \
 argument
     np.searchsorted(TABLE, x[0]) ; np.digitize(x, TABLE) ; np.choose([0, 1, 0, 1], [x, p]) ; np.histogram(x)
@@ -472,6 +474,15 @@ class Objects(unittest.TestCase):
         self.assertEqual(slom.array([1, 2.5]).dtype, float)
         self.assertEqual(slom.where(TABLE > 0, TABLE, 0).dtype, float)
         self.assertIsInstance(slom.where(True, 1.0, 2.0), float)
+
+
+class Page(unittest.TestCase):
+    def test_example(self):
+        page = pathlib.Path(__file__).parents[2] / "docs/python_functions.md"
+        expected = [0.1, 5, 5 + math.log(2)]
+        names = {"print": lambda residuals: np.testing.assert_allclose(residuals, expected, rtol=1e-14)}
+        (example,) = re.findall("```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+        exec(example, names)
 
 
 if __name__ == "__main__":
