@@ -122,7 +122,7 @@ std::size_t measure(const std::shared_ptr<Estimator>& est, const nb::callable& f
         layouts.push_back(x.kind->layout(x.id));
       }
     }
-    const nb::object result = f(*nb::tuple(proxies));
+    const nb::object result = callRecorded(f, nb::tuple(proxies));
     std::vector<tape::Number> residual;
     appendNumbers(result, residual);
     kind = TracedKind::shared(recording.finish(residual), std::move(types), std::move(layouts));

@@ -55,6 +55,10 @@ nb::object arrayOf(const std::vector<Number>& numbers, const std::vector<std::si
       .attr("view")(nb::module_::import_("slom._array").attr("Array"));
 }
 
+nb::object callRecorded(const nb::callable& f, const nb::tuple& arguments) {
+  return nb::module_::import_("slom._call").attr("call")(f, arguments);
+}
+
 void appendNumbers(nb::handle result, std::vector<Number>& numbers) {
   checkRefused();
   Number x;

@@ -254,6 +254,14 @@ before est.measure
     np.array([x[0], x[1]]) == 3 ; np.array([x[0], x[1]]) != x[0:2].tolist() ; np.array([x[0], x[1]]) > 3
     np.array_equal(np.array(x), np.array(x)) ; np.sort(np.array([x[0], x[1]])) ; np.maximum(np.array([x[0], x[1]]), 0)
     np.sign(np.array([x[0], x[1]])) ; np.unique(np.array([x[0], x[1]])) ; np.clip(np.array([x[0], x[1]]), 0, 1)
+[slom.traced-array] NumPy cannot compute this with objects, such as recorded numbers in an array made by np.array; \
+make the array by slom.array
+    np.isnan(np.array([x[0], x[1]])) ; np.linalg.inv(np.array([[x[0], 1], [2, x[1]]])) ; np.sqrt(np.array([x[0], 1.0]))
+    np.logaddexp(np.array([x[0], x[1]]), 0) ; np.hypot(np.array([x[0], 1.0]), 2) ; np.exp(np.array([x[0], 1]))
+    np.linalg.det([[x[0], 1], [2, x[1]]]) ; np.linalg.norm(np.array([[x[0], 0], [0, 1]]), axis=1)
+[slom.traced-index] an index or a mask is no plain number; write slom.where(condition, a, b), or select data before \
+est.measure
+    TABLE[x[0]] ; TABLE[x] ; TABLE[p > 0]
 [slom.traced-condition] arithmetic needs numbers, but got a condition; write slom.where(condition, 1.0, 0.0)
     (x > 0) * x ; (x[0] > 0) * x[0] ; x[0] * (x[0] > 0) ; np.sum(x > 0) ; 1 - (x[0] > 0) ; (x > 0) + (p > 0)
     float(x[0] > 0) ; -(x[0] > 0) ; (x > 0).astype(float) ; np.sin(x > 0) ; (x > 0).mean() ; (x > 0) * 1.0
