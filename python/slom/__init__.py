@@ -8,6 +8,8 @@
 """
 
 from . import _fit
+from . import _functions  # tells NumPy what to do with recorded numbers
+from ._array import array
 from ._curve_fit import CurveFit, curve_fit
 from ._error import Error, SlowFunctionWarning
 from ._manifold import manifold

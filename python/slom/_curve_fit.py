@@ -131,9 +131,7 @@ def curve_fit(
         estimator.measure(lambda *p: f(x, *p), *variables, measured=y[None], name=label, **noise)
     fit = estimator.optimize(**options)
     if not fit.converged:
-        error = NotFitted(f"[slom.not-fitted] the curve is not fitted: {fit.message}")
-        error.id, error.subject, error.sentence = "slom.not-fitted", label, f"the curve is not fitted: {fit.message}"
-        raise error
+        raise NotFitted(f"[slom.not-fitted] the curve is not fitted: {fit.message}", label)
     return CurveFit(estimator, variables, fit)
 
 
@@ -173,6 +171,4 @@ def _is_by_row(f, x, rows, p):
 
 
 def _error(sentence, subject):
-    error = Error(f"[slom.bad-argument] {sentence}")
-    error.id, error.subject, error.sentence, error.remedy = "slom.bad-argument", subject, sentence, sentence.split("; ")[-1]
-    return error
+    return Error(f"[slom.bad-argument] {sentence}", subject)

@@ -7,10 +7,11 @@ class Error(Exception):
     remedy    what to do; empty if there is none
     """
 
-    id = ""
-    subject = ""
-    sentence = ""
-    remedy = ""
+    def __init__(self, text="", subject=""):
+        super().__init__(text)
+        self.id, _, self.sentence = text[1:].partition("] ") if text.startswith("[") else ("", "", text)
+        self.subject = subject
+        self.remedy = self.sentence.rpartition("; ")[2] if "; " in self.sentence else ""
 
 
 class SlowFunctionWarning(UserWarning):

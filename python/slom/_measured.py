@@ -1,6 +1,7 @@
 import numpy as np
 
-from . import _slom
+from ._array import array
+from ._error import Error
 
 
 def minus(prediction, datum):
@@ -10,12 +11,11 @@ def minus(prediction, datum):
     if hasattr(datum, "boxminus"):
         return prediction.boxminus(datum)
     if isinstance(prediction, (list, tuple)):
-        prediction = np.array(prediction)
+        prediction = array(prediction)
     if np.shape(prediction) != np.shape(datum):
-        _slom._raise(
-            "slom.wrong-shape",
-            f"the measurement function predicts an array of shape {np.shape(prediction)}, each row of `measured` has "
-            f"the shape {np.shape(datum)}; return what is measured, in the same shape",
+        raise Error(
+            f"[slom.wrong-shape] the measurement function predicts an array of shape {np.shape(prediction)}, each row of "
+            f"`measured` has the shape {np.shape(datum)}; return what is measured, in the same shape",
             "measured",
         )
     return prediction - datum

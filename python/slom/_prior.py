@@ -1,6 +1,6 @@
 import numpy as np
 
-from . import _slom
+from ._error import Error
 
 
 def prior(self, variable, value, sigma=None, *, covariance=None, information=None, path="", loss=None, name="prior"):
@@ -9,9 +9,8 @@ def prior(self, variable, value, sigma=None, *, covariance=None, information=Non
     options = {} if loss is None else {"loss": loss}
     names = [name[len(variable.name) :].lstrip(".") for name in variable.components]
     if path and not any(name == path or name.startswith(path + ".") for name in names):
-        _slom._raise(
-            "slom.no-component",
-            f'variable {variable.name} has no component "{path}"; pass one of {", ".join(names)}',
+        raise Error(
+            f'[slom.no-component] variable {variable.name} has no component "{path}"; pass one of {", ".join(names)}',
             variable.name,
         )
     measured = [value] if not isinstance(value, (float, int)) else np.array([value], float)

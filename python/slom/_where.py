@@ -1,18 +1,28 @@
 import numpy as np
 
-from . import _slom
+from ._array import is_recorded, result
+from ._slom import Condition, Number, _select
 
 
 def where(condition, a, b):
     """Returns `a` where the condition holds, `b` elsewhere: numpy.where that also takes recorded numbers."""
-    return np.frompyfunc(_select, 3, 1)(condition, a, b)
+    if not any(is_recorded(np.asarray(x)) for x in (condition, a, b)):
+        return np.where(condition, a, b)[()]
+    return result(_chosen(condition, a, b))
 
 
-def _select(condition, a, b):
-    if isinstance(condition, _slom.Condition):
-        return _slom._select(condition, _number(a), _number(b))
+def choose(condition, a, b):
+    """Returns one of two numbers."""
+    if isinstance(condition, Number):
+        condition = condition != 0
+    if isinstance(condition, Condition):
+        return _select(condition, number(a), number(b))
     return a if condition else b
 
 
-def _number(x):
-    return x if isinstance(x, _slom.Number) else _slom.Number(float(x))
+def number(x):
+    """Returns a number as a recorded one."""
+    return x if isinstance(x, Number) else Number(float(x))
+
+
+_chosen = np.frompyfunc(choose, 3, 1)

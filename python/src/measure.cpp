@@ -118,12 +118,15 @@ nb::object minus(nb::handle prediction, nb::handle datum) {
 }
 
 /// Calls the function with these arguments and returns the residual.
-nb::object residualOf(const Call& call, const nb::list& arguments) {
-  if (!call.predicts) return call.function(*nb::tuple(arguments));
+nb::object residualOf(const Call& call, const nb::list& arguments, bool is_recorded = false) {
+  const auto apply = [&](const nb::list& passed) {
+    return is_recorded ? callRecorded(call.function, nb::tuple(passed)) : call.function(*nb::tuple(passed));
+  };
+  if (!call.predicts) return apply(arguments);
   const std::size_t count = nb::len(arguments) - 1;
   nb::list passed;
   for (std::size_t i = 0; i < count; ++i) passed.append(arguments[i]);
-  return minus(call.function(*nb::tuple(passed)), arguments[count]);
+  return minus(apply(passed), arguments[count]);
 }
 
 /// Appends the numbers of a residual.
@@ -246,7 +249,10 @@ Recorded record(const Call& call) {
     }
   }
   std::vector<tape::Number> residual;
-  appendNumbers(residualOf(call, proxies), residual);
+  {
+    const Captures captures(call.rows == 1);
+    appendNumbers(residualOf(call, proxies, true), residual);
+  }
   if (residual.empty()) {
     throw mtk::Error("slom.traced-result",
                      "a measurement function returned no numbers; return the residual, a number or an array",

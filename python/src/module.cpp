@@ -132,6 +132,7 @@ NB_MODULE(_slom, module) {
   nb::set_leak_warnings(false);
 
   const nb::object error = nb::module_::import_("slom._error").attr("Error");
+  module.attr("Error") = error;
   nb::register_exception_translator(
       [](const std::exception_ptr& exception, void* type) {
         try {
@@ -141,9 +142,8 @@ NB_MODULE(_slom, module) {
         }
       },
       nb::object(error).release().ptr());
-  module.def("_raise", [](const std::string& id, const std::string& sentence, const std::string& subject) {
-    throw mtk::Error(id, sentence, subject);
-  });
+
+  module.def("_count_tapes", [](const Estimator& est) { return est.table().pools().size(); });
 
   bindNumbers(module);
   bindManifolds(module);
