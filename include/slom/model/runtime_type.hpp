@@ -41,7 +41,7 @@ class RuntimeType {
   };
 
   /// Returns the type with this name and these fields. Equal types are the same object. Throws [slom.bad-type] for a
-  /// type without fields or with a vector of less than one entry.
+  /// type without fields, with a vector of less than one entry, or with more than 65535 numbers.
   static std::shared_ptr<const RuntimeType> make(std::string name, std::vector<Field> fields);
   /// Returns the type of a variable; null if its type is one of C++.
   static std::shared_ptr<const RuntimeType> of(const VariableHandle& id);
