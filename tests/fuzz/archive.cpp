@@ -1,5 +1,5 @@
-// Saved problems of the kinds of slom replay with poses. A loaded problem can be saved and loaded again, with the same
-// text.
+// Saved problems of the kinds of slom replay with poses, and of tapes. A loaded problem can be saved and loaded again,
+// with the same text, and a step of its fit can be taken.
 #include <algorithm>
 #include <sstream>
 
@@ -25,6 +25,9 @@ SLOM_FUZZ_TARGET(archive) {
   };
   std::string saved;
   if (!accepted([&] { saved = save(load(std::string(input))); })) return;
+  StoredProblem problem = load(saved);
+  accepted([&] { problem.estimator.residuals(); });
+  accepted([&] { problem.estimator.optimizeStep(); });
   std::string again;
   require(accepted([&] { again = save(load(saved)); }), "a saved problem is refused");
   require(std::count(again.begin(), again.end(), '\n') == std::count(saved.begin(), saved.end(), '\n'),
