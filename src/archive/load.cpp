@@ -156,7 +156,6 @@ class ArchiveReader {
       variable_kind_ = kindNamed(archive_.variables_, name, "variables");
       return;
     }
-    line_.clear();
     line_ >> word;
     const bool may_be_registered = word == "or";
     if (may_be_registered) line_ >> word;
@@ -164,8 +163,8 @@ class ArchiveReader {
     if (word == "fields") withLine([&] { type = archive_text::readType(line_, name); });
     if (type == nullptr) {
       raise(
-          "write variables \"TYPE\", or after it fields or or fields, with a \"NAME\" and a KIND for each: number, "
-          "vector N, so2, so3, s2, se2 or se3");
+          "write variables \"TYPE\" fields or variables \"TYPE\" or fields, then for each field its \"NAME\" and "
+          "number, vector N, so2, so3, s2, se2 or se3");
     }
     if (may_be_registered) {
       for (const detail::StoredVariable& kind : archive_.variables_) {

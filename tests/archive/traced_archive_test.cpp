@@ -309,8 +309,8 @@ TEST(TracedArchiveFaults, AreNamedWithTheirLine) {
       "the program that made it");
   EXPECT_EQ(
       messageOf([&] { loaded("slom problem 1\nvariables \"Lens\" fields \"k\" sphere\n"); }),
-      "[slom.bad-archive] FILE:2: write variables \"TYPE\", or after it fields or or fields, with a \"NAME\" and a KIND "
-      "for each: number, vector N, so2, so3, s2, se2 or se3");
+      "[slom.bad-archive] FILE:2: write variables \"TYPE\" fields or variables \"TYPE\" or fields, then for each "
+      "field its \"NAME\" and number, vector N, so2, so3, s2, se2 or se3");
   EXPECT_EQ(
       messageOf([&] { loaded("slom problem 1\nvariables \"Axis\" fields \"\" s2\n\"a\" free 0 0 0\n"); }),
       "[slom.bad-archive] FILE:3: a direction (S2) cannot be made of the vector (0, 0, 0), which is zero or not finite; pass a finite vector of any positive length");
@@ -362,10 +362,9 @@ TEST(TracedArchiveFaults, OfLines) {
   expectFault("variables \"vect<2>\" or fields \"\" vector 2",
               "variables \"vect<2>\" or fields \"\" vector 99999",
               "the type of variables vect<2> has 99999 numbers; give it at most 65535");
-  expectFault(
-      "variables \"vect<2>\" or fields \"\" vector 2", "variables \"vect<2>\" or fields \"\" sphere",
-      "write variables \"TYPE\", or after it fields or or fields, with a \"NAME\" and a KIND for each: number, vector "
-      "N, so2, so3, s2, se2 or se3");
+  expectFault("variables \"vect<2>\" or fields \"\" vector 2", "variables \"vect<2>\" or fields \"\" sphere",
+              "write variables \"TYPE\" fields or variables \"TYPE\" or fields, then for each "
+              "field its \"NAME\" and number, vector N, so2, so3, s2, se2 or se3");
 }
 
 TEST(TracedArchiveFaults, LeaveNothing) {
