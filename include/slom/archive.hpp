@@ -15,6 +15,8 @@
 ///   measured(z)            Measured<Z>
 ///   other data             the type itself
 ///   list of variables      std::vector<AnyVarID>, first
+/// Traced measurements (slom/tape.hpp) need no registration: the file holds their tapes and describes their variables.
+/// Where the type of such a variable is not registered, load makes it a variable of a RuntimeType.
 /// Values and data are written and read by their stream operators, with 17 digits. So a loaded problem equals the saved
 /// one except for rounding in the last digit. docs/replay.md describes the format.
 #pragma once
@@ -93,21 +95,25 @@ void Archive::knowVariable(std::string name) {
   static_assert(mtk::isWritable<T>(),
                 "slom: to be saved, this variable type or one of its parts needs an operator<<");
   const bool is_named = !name.empty();
+  using Stored = detail::StoredVariable;
   add({is_named ? std::move(name) : typeName<T>(), typeid(VariableStore<T>),
-       [](std::ostream& os, const void* value) { mtk::write(os, *static_cast<const T*>(value)); },
-       [](std::istream& is, Problem* problem, bool optimize, const std::string& own_name,
+       [](const Stored&, std::ostream& os, const void* value) {
+         mtk::write(os, *static_cast<const T*>(value));
+       },
+       [](const Stored&, std::istream& is, Problem* problem, bool optimize, const std::string& own_name,
           VariableHandle& id) {
          T value{};
          if (!mtk::read(is, value)) return false;
          if (problem != nullptr) id = problem->insertVariable<T>(value, optimize, own_name);
          return true;
        },
-       [](std::istream& is, void* context, void (*take)(void*, const void*, int)) {
+       [](const Stored&, std::istream& is, void* context, void (*take)(void*, const void*, int)) {
          T value{};
          if (!mtk::read(is, value)) return false;
          take(context, &value, mtk::dof(value));
          return true;
-       }},
+       },
+       [](const Stored&, detail::TracedType& traced) { return detail::describe<T>(traced); }},
       is_named);
 }
 

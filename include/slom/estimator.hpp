@@ -93,11 +93,13 @@ class Estimator {
     return problem().own(id);
   }
   AnyMeasID own(const AnyMeasID& id) const { return problem().own(id); }
+  AnyVarID own(const AnyVarID& id) const { return problem().own(id); }
 
   // Variables.
 
   /// Adds a variable with its start value. If `optimize` is false, the variable keeps that value. `name` is for
-  /// messages.
+  /// messages. Returns a VarID; for a RuntimeValue an AnyVarID. A RuntimeValue throws [slom.bad-type] if it has no type,
+  /// and as RuntimeType::normalized.
   template <class T>
   auto insertRV(const T& value) {
     return insertVariable(value, true, {});
@@ -110,8 +112,6 @@ class Estimator {
   auto insertRV(const T& value, std::string_view name) {
     return insertVariable(value, true, name);
   }
-  /// Adds a variable of a type that is described at run time. Throws as RuntimeValue's functions do.
-  AnyVarID insertRV(const RuntimeValue& value, bool optimize = true, std::string_view name = {});
   /// Calls insertRV; the paper's outlook uses this name.
   template <class T, class... More>
   auto registerRV(const T& value, More&&... more) {
@@ -524,6 +524,7 @@ class Estimator {
       return VarID<V>();  // so that the message of requireManifold is the only one
     }
   }
+  AnyVarID insertVariable(const RuntimeValue& value, bool optimize, std::string_view name);
   template <class T, class Noise>
   MeasID<ComponentPrior<T>> insertComponentPrior(const VarID<T>& id, const std::string& path,
                                                  const double* values, int count, const Noise& uncertainty) {

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <iosfwd>
+#include <memory>
 #include <string>
 #include <typeindex>
 #include <vector>
 
 #include "slom/estimator.hpp"
+#include "slom/tape/input.hpp"
 
 namespace slom {
 
@@ -23,6 +25,8 @@ class StoredProblem {
   VarID<T> variable(const std::string& name) const {
     return VarID<T>(handle(name, typeid(VariableStore<T>), &typeName<T>));
   }
+  /// Returns the first variable of this name, of any type. Throws [slom.no-variable].
+  AnyVarID variable(const std::string& name) const { return AnyVarID(entryNamed(name).handle); }
   /// Returns all variables of a type, in the order of insertion.
   template <class T>
   std::vector<VarID<T>> variables() const {
@@ -30,6 +34,12 @@ class StoredProblem {
     for (const Entry& entry : entries_) {
       if (entry.type == typeid(VariableStore<T>)) ids.push_back(VarID<T>(entry.handle));
     }
+    return ids;
+  }
+  /// Returns all variables in the order of insertion.
+  std::vector<AnyVarID> variables() const {
+    std::vector<AnyVarID> ids;
+    for (const Entry& entry : entries_) ids.emplace_back(entry.handle);
     return ids;
   }
 
@@ -41,6 +51,7 @@ class StoredProblem {
     std::type_index type;  // type of its store
     VariableHandle handle;
   };
+  const Entry& entryNamed(const std::string& name) const;
   VariableHandle handle(const std::string& name, std::type_index type, std::string (*type_name)()) const;
   void sortNames();
 
@@ -50,15 +61,50 @@ class StoredProblem {
 
 namespace detail {
 
-/// Functions that write and read variables of one type.
+/// A type of variables as tapes see it.
+struct TracedType {
+  std::type_index type;
+  tape::VariableType parts;
+  tape::Layout layout;
+};
+
+/// Returns the parts of T in `traced` and whether tapes can have variables of this type.
+template <class T>
+bool describe(TracedType& traced) {
+  if constexpr (mtk::DOF_v<T> == mtk::Dynamic) {
+    return false;
+  } else {
+    const T x{};
+    bool is_known = true;
+    traced.parts.name = typeName<T>();
+    mtk::detail::forEachBasicPart(x, x, 0, [&](const auto& part, const auto&, int) {
+      if constexpr (tape::detail::is_known_part<std::remove_cvref_t<decltype(part)>>) {
+        traced.parts.parts.push_back(tape::detail::partOf(part));
+        tape::detail::appendLayout(x, part, traced.layout);
+      } else {
+        is_known = false;
+      }
+    });
+    traced.type = typeid(T);
+    return is_known;
+  }
+}
+
+/// Functions that write and read variables of one type. They get the StoredVariable that they are called of.
 struct StoredVariable {
   std::string name;
   std::type_index type;  ///< type of their store
-  void (*write)(std::ostream&, const void* value);
+  void (*write)(const StoredVariable&, std::ostream&, const void* value);
   /// Reads a value and returns whether the stream has one. Inserts the value if there is a problem.
-  bool (*read)(std::istream&, Problem*, bool optimize, const std::string& name, VariableHandle& id);
+  bool (*read)(const StoredVariable&, std::istream&, Problem*, bool optimize, const std::string& name,
+               VariableHandle& id);
   /// Reads a value and returns whether the stream has one. Calls take(context, value, its degrees of freedom).
-  bool (*read_value)(std::istream&, void* context, void (*take)(void*, const void*, int));
+  bool (*read_value)(const StoredVariable&, std::istream&, void* context,
+                     void (*take)(void*, const void*, int));
+  /// Returns whether tapes can have variables of this type, and what they see.
+  bool (*describe)(const StoredVariable&, TracedType&);
+  std::shared_ptr<const RuntimeType> runtime_type{};  ///< null for registered types
+  tape::Layout layout{};                              ///< where the numbers of runtime_type lie in a value
 };
 
 /// The variables of a measurement to be written or read.

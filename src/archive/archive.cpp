@@ -10,8 +10,7 @@ namespace slom {
 
 using archive_text::inQuotes;
 
-VariableHandle StoredProblem::handle(const std::string& name, std::type_index type,
-                                     std::string (*type_name)()) const {
+const StoredProblem::Entry& StoredProblem::entryNamed(const std::string& name) const {
   const auto found =
       std::lower_bound(by_name_.begin(), by_name_.end(), name,
                        [&](int i, const std::string& other) { return entries_[at(i)].name < other; });
@@ -20,7 +19,12 @@ VariableHandle StoredProblem::handle(const std::string& name, std::type_index ty
                 "the problem has no variable " + inQuotes(name) + "; names are those given to insertRV",
                 name);
   }
-  const Entry& entry = entries_[at(*found)];
+  return entries_[at(*found)];
+}
+
+VariableHandle StoredProblem::handle(const std::string& name, std::type_index type,
+                                     std::string (*type_name)()) const {
+  const Entry& entry = entryNamed(name);
   if (entry.type != type) {
     throw Error("slom.no-variable",
                 "variable " + inQuotes(name) + " is no " + type_name() + "; ask for it by its own type",

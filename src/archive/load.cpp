@@ -1,16 +1,21 @@
 /// Loading: a problem from its text.
 #include <cctype>
 #include <charconv>
+#include <deque>
 #include <istream>
 #include <locale>
 #include <sstream>
 #include <system_error>
 
+#include "archive/described.hpp"
+#include "archive/tape_text.hpp"
 #include "archive/text.hpp"
 #include "base/index.hpp"
 #include "base/words.hpp"
+#include "model/runtime_store.hpp"
 #include "slom/archive.hpp"
 #include "slom/problem/group_table.hpp"
+#include "slom/tape/measurement.hpp"
 
 namespace slom {
 
@@ -56,13 +61,22 @@ class ArchiveReader {
       }
       readLine();
     }
+    raiseIncomplete();
+  }
+
+ private:
+  /// A tape of the file.
+  struct StoredTape {
+    tape::Tape tape;
+    std::shared_ptr<const TracedKind> kind{};  // set by its first measurement
+  };
+
+  [[noreturn]] void raiseIncomplete() const {
     throw Error(
         "slom.bad-archive",
         source_ + " is not complete: its last line is not \"end\"; take a file that was written to its end",
         source_);
   }
-
- private:
   [[noreturn]] void raise(const std::string& what) const {
     throw Error("slom.bad-archive", source_ + ":" + std::to_string(line_number_) + ": " + what,
                 source_ + ":" + std::to_string(line_number_));
@@ -104,12 +118,13 @@ class ArchiveReader {
     line_ >> word;
     if (word == "variables") return readVariableKind();
     if (word == "measurements") return readMeasurementKind();
+    if (word == "tape") return readTape();
     if (word == "fix") return readConstraint(false);
     if (word == "bound") return readConstraint(true);
     if (word == "sigma" || word == "gauge") return readChoice(word);
     raise("a line cannot begin with " + inQuotes(word) +
           "; it begins with a quoted name, a number, variables, fix, bound, "
-          "measurements, sigma, gauge or end");
+          "tape, measurements, sigma, gauge or end");
   }
 
   void readChoice(const std::string& word) {
@@ -135,9 +150,34 @@ class ArchiveReader {
   }
 
   void readVariableKind() {
-    std::string name;
-    if (!(line_ >> std::quoted(name)) || !isAtEnd(line_)) raise("write variables \"TYPE\"");
-    variable_kind_ = kindNamed(archive_.variables_, name, "variables");
+    std::string name, word;
+    if (!(line_ >> std::quoted(name))) raise("write variables \"TYPE\"");
+    if (isAtEnd(line_)) {
+      variable_kind_ = kindNamed(archive_.variables_, name, "variables");
+      return;
+    }
+    line_ >> word;
+    const bool may_be_registered = word == "or";
+    if (may_be_registered) line_ >> word;
+    std::shared_ptr<const RuntimeType> type;
+    if (word == "fields") withLine([&] { type = archive_text::readType(line_, name); });
+    if (type == nullptr) {
+      raise(
+          "write variables \"TYPE\" fields or variables \"TYPE\" or fields, then for each field its \"NAME\" and "
+          "number, vector N, so2, so3, s2, se2 or se3");
+    }
+    if (may_be_registered) {
+      for (const detail::StoredVariable& kind : archive_.variables_) {
+        detail::TracedType known{typeid(void), {}, {}};
+        if (kind.name != name || !kind.describe(kind, known)) continue;
+        if (!archive_text::areAlike(known.parts, tape::typeOf(*type))) continue;
+        variable_kind_ = &kind;
+        return;
+      }
+    }
+    described_.push_back(
+        archive_text::describedVariable(name, typeid(RuntimeStore), type, tape::layoutOf(*type)));
+    variable_kind_ = &described_.back();
   }
 
   void readVariable() {
@@ -146,13 +186,17 @@ class ArchiveReader {
     if (!(line_ >> std::quoted(name) >> state) || (state != "free" && state != "fixed")) {
       raise("write \"NAME\" free VALUE or \"NAME\" fixed VALUE");
     }
+    const detail::StoredVariable& kind = *variable_kind_;
     VariableHandle id;
-    if (!variable_kind_->read(rest(), nullptr, true, "", id) || !isAtEnd(rest_)) {
-      raise("variable " + inQuotes(name) + " has no value that is a " + variable_kind_->name + ":" +
-            rest_.str() + commaIn(rest_.str()));
+    bool is_good = false;
+    withLine([&] { is_good = kind.read(kind, rest(), nullptr, true, "", id); });
+    if (!is_good || !isAtEnd(rest_)) {
+      raise("variable " + inQuotes(name) + " has no value that is a " + kind.name + ":" + rest_.str() +
+            commaIn(rest_.str()));
     }
-    variable_kind_->read(restAgain(), &problem(), state == "free", name, id);
-    result_.entries_.push_back({name, variable_kind_->type, id});
+    kind.read(kind, restAgain(), &problem(), state == "free", name, id);
+    result_.entries_.push_back({name, kind.type, id});
+    variable_kinds_.push_back(&kind);
     indices_.push_back(static_cast<int>(problem().variables().size()) - 1);
   }
 
@@ -183,14 +227,45 @@ class ArchiveReader {
     });
   }
 
+  void readTape() {
+    int version = 0;
+    if (!(line_ >> version) || !isAtEnd(line_)) raise("write tape VERSION");
+    if (version != archive_text::kTapeVersion) {
+      raise("the tape is saved in version " + std::to_string(version) +
+            " of the format of tapes, but this program reads version " +
+            std::to_string(archive_text::kTapeVersion) + "; use a newer program");
+    }
+    archive_text::TapeReader reader;
+    for (bool is_last = false; !is_last;) {
+      if (!nextLine()) raiseIncomplete();
+      withLine([&] { is_last = reader.take(text_); });
+    }
+    withLine([&] { tapes_.push_back({reader.finish()}); });
+  }
+
   void readMeasurementKind() {
+    line_ >> std::ws;
+    const bool is_traced = line_.peek() == 't';
     std::string name;
-    if (!(line_ >> std::quoted(name) >> std::quoted(options_.label)) || !isAtEnd(line_))
-      raise("write measurements \"TYPE\" \"LABEL\"");
-    measurement_kind_ = kindNamed(archive_.measurements_, name, "measurements");
+    int number = -1;
+    if (is_traced ? !(line_ >> name >> number) || name != "tape" : !(line_ >> std::quoted(name)))
+      raise("write measurements \"TYPE\" \"LABEL\" or measurements tape NUMBER \"LABEL\"");
+    if (!(line_ >> std::quoted(options_.label)) || !isAtEnd(line_))
+      raise("write measurements \"TYPE\" \"LABEL\" or measurements tape NUMBER \"LABEL\"");
+    tape_ = nullptr;
+    if (!is_traced) {
+      measurement_kind_ = kindNamed(archive_.measurements_, name, "measurements");
+    } else if (number >= 0 && number < static_cast<int>(tapes_.size())) {
+      tape_ = &tapes_[at(number)];
+    } else {
+      raise("there is no tape " + std::to_string(number) +
+            (tapes_.empty() ? "; no tape is defined above"
+                            : "; defined above are 0 to " + std::to_string(tapes_.size() - 1)));
+    }
   }
 
   void readMeasurement() {
+    if (tape_ != nullptr) return readTraced();
     if (measurement_kind_ == nullptr)
       raise("a measurement comes before the first line that begins with measurements");
     handles_.clear();
@@ -198,18 +273,18 @@ class ArchiveReader {
     if (measurement_kind_->is_list) readList();
     for (const std::type_index type : measurement_kind_->variables) {
       const int number = readVariableNumber();
-      const StoredProblem::Entry& entry = result_.entries_[at(number)];
-      if (entry.type != type) {
-        raise("variable " + std::to_string(number) + ", " + inQuotes(entry.name) + ", is a " +
-              archive_.findVariable(entry.type)->name + " where " + measurement_kind_->name + " takes a " +
-              archive_.findVariable(type)->name);
-      }
-      handles_.push_back(entry.handle);
+      if (variable_kinds_[at(number)]->type != type)
+        raiseWrongType(number, measurement_kind_->name, archive_.findVariable(type)->name);
+      handles_.push_back(result_.entries_[at(number)].handle);
     }
     expectBar("the numbers of " + counted(static_cast<int>(handles_.size()), "variable"));
     readOptions();
     const int count = static_cast<int>(handles_.size());
-    if (!measurement_kind_->read(rest(), nullptr, {nullptr, kinds_.data(), count}, {}) || !isAtEnd(rest_)) {
+    bool is_good = false;
+    withLine([&] {
+      is_good = measurement_kind_->read(rest(), nullptr, {nullptr, kinds_.data(), count}, {});
+    });
+    if (!is_good || !isAtEnd(rest_)) {
       raise("the text after the second | is not the data of " + measurement_kind_->name + ":" + rest_.str() +
             commaIn(rest_.str()));
     }
@@ -220,12 +295,56 @@ class ArchiveReader {
     });
   }
 
+  [[noreturn]] void raiseWrongType(int variable, const std::string& taker, const std::string& type) const {
+    raise("variable " + std::to_string(variable) + ", " + inQuotes(result_.entries_[at(variable)].name) +
+          ", is a " + variable_kinds_[at(variable)]->name + " where " + taker + " takes a " + type);
+  }
+
+  void readTraced() {
+    TracedMeasurement measurement;
+    std::vector<std::type_index> types;
+    std::vector<tape::Layout> layouts;
+    for (const tape::VariableType& type : tape_->tape.code().variables) {
+      const int number = readVariableNumber();
+      detail::TracedType known{typeid(void), {}, {}};
+      const detail::StoredVariable& kind = *variable_kinds_[at(number)];
+      if (!kind.describe(kind, known) || !archive_text::areAlike(known.parts, type))
+        raiseWrongType(number, "the tape", type.name);
+      types.push_back(known.type);
+      layouts.push_back(std::move(known.layout));
+      measurement.variables.emplace_back(AnyVarID(result_.entries_[at(number)].handle));
+    }
+    const int count = static_cast<int>(measurement.variables.size());
+    expectBar("the numbers of " + counted(count, "variable"));
+    readOptions();
+    const auto columns = at(tape_->tape.data());
+    std::istream& data = rest();
+    for (double x = 0; measurement.data.size() < columns && data >> x;) measurement.data.push_back(x);
+    if (measurement.data.size() < columns || !isAtEnd(data)) {
+      raise("the text after the second | is not " + counted(tape_->tape.data(), "number") +
+            ", the data of the tape:" + rest_.str() + commaIn(rest_.str()));
+    }
+    if (tape_->kind == nullptr) {
+      tape_->kind = TracedKind::shared(tape_->tape, types, layouts);
+    } else if (tape_->kind->types != types || tape_->kind->layouts != layouts) {
+      raise(
+          "the variables are of other types than those of the tape's first measurement; write the tape once more for "
+          "these types");
+    }
+    measurement.kind = tape_->kind;
+    withLine([&] {
+      const std::uint64_t before = problem().structureRevision();
+      insertTraced(problem(), measurement, options_.noise, options_.label, options_.loss);
+      assignGroups(before);
+    });
+  }
+
   /// Reads the variables of a measurement over a list, up to the bar.
   void readList() {
     while ((line_ >> std::ws) && std::isdigit(line_.peek()) != 0) {
-      const StoredProblem::Entry& entry = result_.entries_[at(readVariableNumber())];
-      handles_.push_back(entry.handle);
-      kinds_.push_back(archive_.findVariable(entry.type));
+      const int number = readVariableNumber();
+      handles_.push_back(result_.entries_[at(number)].handle);
+      kinds_.push_back(variable_kinds_[at(number)]);
     }
     line_.clear();
   }
@@ -352,7 +471,11 @@ class ArchiveReader {
   std::istringstream line_, rest_;
   int line_number_ = 0;
   const detail::StoredVariable* variable_kind_ = nullptr;
+  std::deque<detail::StoredVariable> described_;  // types that the file describes
   const detail::StoredMeasurement* measurement_kind_ = nullptr;
+  std::deque<StoredTape> tapes_;
+  StoredTape* tape_ = nullptr;  // of the next measurements; null: measurement_kind_
+  std::vector<const detail::StoredVariable*> variable_kinds_;  // of the variables, by number in the file
   std::vector<int> indices_;  // indices in the problem, by number in the file
   std::vector<VariableHandle> handles_;
   std::vector<const detail::StoredVariable*> kinds_;  // the types of these variables, for a list

@@ -49,7 +49,7 @@ void StoredPrior::write(std::ostream& os, const detail::StoredArguments& argumen
   const auto& prior = static_cast<const GaussianPrior&>(*pool.runtimeMeasurement(i));
   const auto R = prior.R();
   for (int k = 0; k < arguments.count; ++k) {
-    arguments.kinds[k]->write(os, prior.point(k));
+    arguments.kinds[k]->write(*arguments.kinds[k], os, prior.point(k));
     os << ' ';
   }
   os << R.rows() << ' ';
@@ -64,7 +64,7 @@ bool StoredPrior::read(std::istream& is, Problem* problem, const detail::StoredA
                        const detail::StoredOptions& options) {
   Points points{arguments.handles, {}};
   for (int k = 0; k < arguments.count; ++k) {
-    if (!arguments.kinds[k]->read_value(is, &points, &Points::take)) return false;
+    if (!arguments.kinds[k]->read_value(*arguments.kinds[k], is, &points, &Points::take)) return false;
   }
   long rows = 0;
   std::vector<double> by_rows, b;

@@ -50,18 +50,24 @@ void Estimator::setGroup(const MeasurementHandle& id, const Group& group) {
   problem().assignGroups(*pool, i, &group, 1);
 }
 
-AnyVarID Estimator::insertRV(const RuntimeValue& value, bool optimize, std::string_view name) {
+AnyVarID Estimator::insertVariable(const RuntimeValue& value, bool optimize, std::string_view name) {
+  if (value.type == nullptr)
+    throw Error("slom.bad-type", "a RuntimeValue has no type; give it one of RuntimeType::make",
+                "RuntimeValue");
   const std::vector<double> numbers = value.type->normalized(value.numbers);
   return AnyVarID(problem().insertVariable(value.type, numbers.data(), optimize, name));
 }
 
 void Estimator::reinitRV(const AnyVarID& id, const RuntimeValue& value) {
   const int variable = problem().indexOf(id);
-  if (RuntimeType::of(id) != value.type) {
+  if (value.type == nullptr || RuntimeType::of(id) != value.type) {
     const std::string own = id.store()->typeName();
+    const std::string given = value.type == nullptr       ? "has no type"
+                              : value.type->name() == own ? "is one with other fields"
+                                                          : "is a " + value.type->name();
     throw Error("slom.wrong-type",
-                "variable " + problem().variableName(variable) + " is a " + own + ", the new value is a " +
-                    value.type->name() + "; pass a value of the variable's type",
+                "variable " + problem().variableName(variable) + " is a " + own + ", the new value " + given +
+                    "; pass a value of the variable's type",
                 problem().variableName(variable));
   }
   problem().setValue(variable, value.type->normalized(value.numbers).data());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <numeric>
 #include <sstream>
 
 #include "base/index.hpp"
@@ -91,6 +92,16 @@ struct OrientationsOfField final : OrientationSink {
   throw Error("slom.bad-type", "the type of variables " + name + " " + fault, name);
 }
 
+/// Returns a text that is different for different types.
+std::string keyOf(const std::string& name, const std::vector<Field>& fields) {
+  std::string key = std::to_string(name.size()) + ' ' + name;
+  for (const Field& field : fields) {
+    key += ' ' + std::to_string(field.name.size()) + ' ' + field.name + ' ' +
+           std::to_string(static_cast<int>(field.kind)) + ' ' + std::to_string(field.size);
+  }
+  return key;
+}
+
 }  // namespace
 
 RuntimeType::RuntimeType(std::string name, std::vector<Field> fields)
@@ -104,27 +115,34 @@ RuntimeType::RuntimeType(std::string name, std::vector<Field> fields)
 
 std::shared_ptr<const RuntimeType> RuntimeType::make(std::string name, std::vector<Field> fields) {
   if (fields.empty()) raiseType(name, "has no fields; give it at least one");
-  for (const Field& field : fields) {
-    if (field.kind == Kind::vector && field.size < 1) {
+  for (Field& field : fields) {
+    if (field.kind != Kind::vector) field.size = 1;
+    if (field.size < 1) {
       raiseType(name, "has the vector " + field.name + " of " + std::to_string(field.size) +
                           " numbers; give it at least one");
     }
   }
-  static std::mutex mutex;
-  static auto* const known = new std::multimap<std::string, std::weak_ptr<const RuntimeType>>;
-  const std::lock_guard lock(mutex);
-  const auto [first, last] = known->equal_range(name);
-  for (auto own = first; own != last;) {
-    if (const auto type = own->second.lock(); type == nullptr) {
-      own = known->erase(own);
-    } else if (type->fields() == fields) {
-      return type;
-    } else {
-      ++own;
-    }
+  constexpr long most = 65535;
+  const long numbers = std::accumulate(fields.begin(), fields.end(), 0L, [](long sum, const Field& field) {
+    return sum + coordinatesOf(field);
+  });
+  if (numbers > most) {
+    raiseType(name, "has " + std::to_string(numbers) + " numbers; give it at most " + std::to_string(most));
   }
-  std::shared_ptr<const RuntimeType> type(new RuntimeType(name, std::move(fields)));
-  known->emplace(std::move(name), type);
+  static std::mutex mutex;
+  static auto* const known = new std::map<std::string, std::weak_ptr<const RuntimeType>>;
+  static std::size_t room = 64;  // number of types after which those that no longer exist are forgotten
+  const std::lock_guard lock(mutex);
+  if (known->size() >= room) {
+    std::erase_if(*known, [](const auto& own) { return own.second.expired(); });
+    room = 2 * known->size() + 64;
+  }
+  std::weak_ptr<const RuntimeType>& own = (*known)[keyOf(name, fields)];
+  std::shared_ptr<const RuntimeType> type = own.lock();
+  if (type == nullptr) {
+    type.reset(new RuntimeType(std::move(name), std::move(fields)));
+    own = type;
+  }
   return type;
 }
 
@@ -218,7 +236,7 @@ std::unique_ptr<VariableStoreBase> RuntimeStore::makeEmpty() const {
 
 std::vector<std::string> RuntimeStore::componentNames(std::uint32_t slot, const std::string& path) const {
   std::vector<std::string> names;
-  const auto* const numbers = &value<double>(slot);
+  const double* const numbers = numbersOf(valueAt(slot));
   for (std::size_t i = 0; i < type_->fields().size(); ++i) {
     const Field& field = type_->fields()[i];
     const std::string own = field.name.empty() ? path : mtk::detail::joinPath(path, field.name);
@@ -232,7 +250,7 @@ std::vector<std::string> RuntimeStore::componentNames(std::uint32_t slot, const 
 std::string RuntimeStore::valueText(std::uint32_t slot) const {
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  const auto* const numbers = &value<double>(slot);
+  const double* const numbers = numbersOf(valueAt(slot));
   for (int i = 0; i < type_->coordinates(); ++i) text << (i == 0 ? "" : " ") << numbers[i];
   return text.str();
 }
@@ -251,7 +269,7 @@ void RuntimeStore::boxplus(void* value, const double* d) const {
     const RuntimeType::Place place = type_->places()[i];
     double* const numbers = static_cast<double*>(value) + place.coordinate;
     if (field.kind == Kind::number || field.kind == Kind::vector) {
-      for (int k = 0; k < field.size; ++k) numbers[k] += d[place.component + k];
+      for (int k = 0; k < RuntimeType::dofOf(field); ++k) numbers[k] += d[place.component + k];
     } else {
       withField(field, numbers, [&](auto x) {
         using T = decltype(x);

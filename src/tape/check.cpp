@@ -32,6 +32,8 @@ void checkSizes(const Code& code) {
       good && isWithin(code.data) && isWithin(code.rows) && isWithin(constants) && isWithin(code.registers);
   if (!good) raiseBadTape("has more than " + std::to_string(most) + " numbers");
   const long entries = code.rows * columns;
+  if (entries > static_cast<long>(kMostEntries))
+    raiseBadTape("has a Jacobian of more than " + std::to_string(kMostEntries) + " entries");
   if (static_cast<long>(code.entry_register.size()) != entries ||
       static_cast<long>(code.entry_constant.size()) != entries)
     raiseBadTape("has a Jacobian of another size than residual and variables");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <unordered_map>
 
 #include "mtk/error.hpp"
 #include "tape/check.hpp"
@@ -99,16 +100,17 @@ Tape::Tape(Code code) : code_(std::move(code)) {
   for (const VariableType& type : code_.variables) sizes_.push_back(type.coordinates());
   coordinates_ = code_.coordinates();
   columns_ = code_.columns();
+  std::unordered_map<std::uint64_t, int> row_of_constant;  // by its bits
   for (std::size_t i = 0; i < code_.entry_register.size(); ++i) {
     if (code_.entry_register[i] >= 0) {
       entry_row_.push_back(code_.entry_register[i]);
       continue;
     }
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(code_.entry_constant[i]);
-    const auto found = std::find_if(entries_.begin(), entries_.end(),
-                                    [&](double x) { return std::bit_cast<std::uint64_t>(x) == bits; });
-    entry_row_.push_back(code_.registers + static_cast<int>(found - entries_.begin()));
-    if (found == entries_.end()) entries_.push_back(code_.entry_constant[i]);
+    const double constant = code_.entry_constant[i];
+    const auto [known, is_new] = row_of_constant.try_emplace(
+        std::bit_cast<std::uint64_t>(constant), code_.registers + static_cast<int>(entries_.size()));
+    entry_row_.push_back(known->second);
+    if (is_new) entries_.push_back(constant);
   }
   lanes_ = lanesFor(code_);
   hash_ = hashOf(code_);

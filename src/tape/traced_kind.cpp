@@ -12,6 +12,7 @@ namespace {
 struct KindsOfTapes {
   std::mutex mutex;
   std::unordered_multimap<std::uint64_t, std::weak_ptr<const TracedKind>> by_hash;
+  std::size_t room = 64;  ///< number of kinds in by_hash after which those that no longer exist are forgotten
   std::unordered_map<std::uint64_t, std::weak_ptr<const TracedKind>> by_fingerprint;
 
   static KindsOfTapes& all() {
@@ -47,6 +48,10 @@ std::shared_ptr<const TracedKind> TracedKind::shared(tape::Tape tape, std::vecto
     }
     if (kind->tape == tape && kind->types == types && kind->layouts == layouts) return kind;
     ++known;
+  }
+  if (kinds.by_hash.size() >= kinds.room) {
+    std::erase_if(kinds.by_hash, [](const auto& known) { return known.second.expired(); });
+    kinds.room = 2 * kinds.by_hash.size() + 64;
   }
   const std::uint64_t hash = tape.hash();
   auto kind = std::make_shared<const TracedKind>(std::move(tape), std::move(types), std::move(layouts));

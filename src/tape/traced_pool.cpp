@@ -1,8 +1,6 @@
-/// The pool of measurements with one tape.
-#include <algorithm>
+#include "tape/traced_pool.hpp"
 
-#include "slom/problem/measurement_pool.hpp"
-#include "slom/tape/measurement.hpp"
+#include <algorithm>
 
 namespace slom {
 
@@ -29,6 +27,8 @@ class TracedPool final : private OwnTracedType, public MeasurementPool {
                                const std::vector<VariableRecord>& table, const ActiveSet& active) {
     return new TracedPool(name, label, type, table, active);
   }
+
+  const double* dataOf(int i) const { return data_.data() + at(i) * columns_of_data_; }
 
  protected:
   int run(int& i, int last, double* r, double* J) override {
@@ -101,7 +101,7 @@ class TracedPool final : private OwnTracedType, public MeasurementPool {
         }
       }
     }
-    kind->tape.evaluate(count, {pointers.data(), data_.data() + at(first) * columns_of_data_}, r, J);
+    kind->tape.evaluate(count, {pointers.data(), dataOf(first)}, r, J);
   }
 
   std::size_t arity_, columns_of_data_;
@@ -123,6 +123,15 @@ MeasurementType typeOfKind(const TracedKind& kind) {
 }
 
 }  // namespace
+
+const TracedKind* tracedKindOf(const MeasurementPool& pool) {
+  return *pool.type().id == typeid(TracedMeasurement) ? static_cast<const TracedKind*>(pool.type().code)
+                                                      : nullptr;
+}
+
+const double* tracedDataOf(const MeasurementPool& pool, int i) {
+  return static_cast<const TracedPool&>(pool).dataOf(i);
+}
 
 MeasID<TracedMeasurement> insertTraced(Problem& problem, TracedMeasurement& measurement,
                                        const NoiseView& noise, std::string_view label, const Loss& loss) {

@@ -312,7 +312,7 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
       {head + "end\nend\n", "FILE:7: there is text after the line \"end\"; remove it"},
       {head + "vertex 1\n",
        "FILE:6: a line cannot begin with \"vertex\"; it begins with a quoted name, a number, variables, fix, "
-       "bound, measurements, sigma, gauge or end"},
+       "bound, tape, measurements, sigma, gauge or end"},
       {head + "sigma unknown\n", "FILE:6: write \"sigma estimated\", or nothing for stated ones"},
       {head + "gauge free\n",
        "FILE:6: write \"gauge inner-constraints\", or nothing for an error at a free gauge"},
@@ -332,7 +332,8 @@ TEST(ArchiveFaults, OfWhatIsLoaded) {
        "FILE:6: p.x is 1, outside of its bound [2, 3]; give it a value inside, or another bound"},
       {head + "0 | unit | 1\n",
        "FILE:6: a measurement comes before the first line that begins with measurements"},
-      {head + "measurements \"Prior\"\n", "FILE:6: write measurements \"TYPE\" \"LABEL\""},
+      {head + "measurements \"Prior\"\n",
+       "FILE:6: write measurements \"TYPE\" \"LABEL\" or measurements tape NUMBER \"LABEL\""},
       {group + "1 | unit | 1\n",
        "FILE:7: variable 1, \"p\", is a vect<3> where Prior(double, measured double) takes a double"},
       {group + "0 0 | unit | 1\n", "FILE:7: a | is missing after the numbers of 1 variable"},

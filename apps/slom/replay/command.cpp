@@ -27,8 +27,8 @@ constexpr const char* help_text =
     R"(slom replay problem.slom --diagnose --json result.json
 
 Fit a problem that a program saved with slom::Archive.
-All its measurements must be kinds of slom/measurements. The output is that of the program, with
-another algorithm or solver if you like. The file is text and may be edited.
+Its measurements must be kinds of slom/measurements or traced. The output is that of the program,
+with another algorithm or solver if you like. The file is text and may be edited.
 )";
 
 struct Settings {

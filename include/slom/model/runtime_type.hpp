@@ -28,6 +28,7 @@ class RuntimeType {
     se2,     ///< position, angle
     se3,     ///< position, quaternion
   };
+  /// A named part of the type.
   struct Field {
     std::string name;  ///< in messages: `pose` or `left.pose`; empty for a type of one field
     Kind kind = Kind::number;
@@ -41,12 +42,14 @@ class RuntimeType {
   };
 
   /// Returns the type with this name and these fields. Equal types are the same object. Throws [slom.bad-type] for a
-  /// type without fields or with a vector of less than one entry.
+  /// type without fields, with a vector of less than one entry, or with more than 65535 numbers.
   static std::shared_ptr<const RuntimeType> make(std::string name, std::vector<Field> fields);
   /// Returns the type of a variable; null if its type is one of C++.
   static std::shared_ptr<const RuntimeType> of(const VariableHandle& id);
 
+  /// Returns the name.
   const std::string& name() const { return name_; }
+  /// Returns the fields in their order.
   const std::vector<Field>& fields() const { return fields_; }
   /// Returns the place of each field.
   const std::vector<Place>& places() const { return places_; }

@@ -106,6 +106,7 @@ class VariableStoreBase {
   SlotRef insert(const void* value, int variable);
   /// Returns the value in a slot. It stays in place while the store lives.
   void* valueAt(std::uint32_t slot) { return values_[slot]; }
+  const void* valueAt(std::uint32_t slot) const { return values_.at(slot); }
   /// Returns the value in a slot. T is the type of this store.
   template <class T>
   const T& value(std::uint32_t slot) const {

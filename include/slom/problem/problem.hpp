@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "slom/model/any_var_id.hpp"
 #include "slom/model/group.hpp"
 #include "slom/model/index_set.hpp"
 #include "slom/model/meas_id.hpp"
@@ -62,6 +63,7 @@ class Problem {
   VarID<T> own(const VarID<T>& id) const {
     return VarID<T>(handleOf(indexOf(id)));
   }
+  AnyVarID own(const AnyVarID& id) const { return AnyVarID(handleOf(indexOf(id))); }
   template <class M>
   MeasID<M> own(const MeasID<M>& id) const {
     const auto [pool, i] = locate(id);

@@ -102,16 +102,20 @@ VariableType typeOf(const T& x) {
       x, x, 0, [&](const auto& part, const auto&, int) { type.parts.push_back(partOf(part)); });
   return type;
 }
+/// Appends where the coordinates of a part of x lie in x.
+template <class T, class P>
+void appendLayout(const T& x, const P& part, Layout& layout) {
+  const auto* const numbers = reinterpret_cast<const std::byte*>(numbersOf(part));
+  for (int i = 0; i < countNumbers(part); ++i) {
+    layout.push_back(static_cast<std::uint32_t>(numbers - reinterpret_cast<const std::byte*>(&x) +
+                                                static_cast<std::ptrdiff_t>(sizeof(double)) * i));
+  }
+}
 template <class T>
 Layout layoutOf(const T& x) {
   Layout layout;
-  mtk::detail::forEachBasicPart(x, x, 0, [&](const auto& part, const auto&, int) {
-    const auto* const numbers = reinterpret_cast<const std::byte*>(numbersOf(part));
-    for (int i = 0; i < countNumbers(part); ++i) {
-      layout.push_back(static_cast<std::uint32_t>(numbers - reinterpret_cast<const std::byte*>(&x) +
-                                                  static_cast<std::ptrdiff_t>(sizeof(double)) * i));
-    }
-  });
+  mtk::detail::forEachBasicPart(x, x, 0,
+                                [&](const auto& part, const auto&, int) { appendLayout(x, part, layout); });
   return layout;
 }
 

@@ -79,6 +79,7 @@ struct Code {
 
 inline constexpr int kMostRegisters = 65535;
 inline constexpr std::size_t kMostInstructions = std::size_t{1} << 20;
+inline constexpr std::size_t kMostEntries = std::size_t{1} << 20;  ///< of the Jacobian
 
 class Tape {
  public:
