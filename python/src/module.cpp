@@ -1,6 +1,8 @@
 // slom._slom: the library as Python sees it. Names, shapes and errors are translated; nothing is computed here.
+#include <fstream>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <slom/archive.hpp>
 #include <slom/fixed_lag.hpp>
 #include <slom/optimize/named.hpp>
 #include <slom/slom.hpp>
@@ -100,6 +103,36 @@ nb::object propagate(const Estimator& est, nb::handle f, const nb::args& passed,
   const Eigen::MatrixXd result = derived.jacobian * C * derived.jacobian.transpose();
   return nb::module_::import_("slom._propagated")
       .attr("Propagated")(derived.type->value(derived.numbers.data()), result);
+}
+
+Archive archive() {
+  Archive archive;
+  archive.measurement<GaussianPrior>();
+  return archive;
+}
+
+void save(const Estimator& est, const std::string& file) {
+  std::ostringstream text;
+  archive().save(est, text);  // before the file is opened, so that a failure leaves it as it is
+  std::ofstream stream(file, std::ios::binary);
+  if (!(stream << text.str() << std::flush)) {
+    throw mtk::Error("slom.cannot-write",
+                     "the file " + file + " cannot be written; check its folder and permissions", file);
+  }
+}
+
+nb::object load(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) {
+    throw mtk::Error("slom.cannot-read",
+                     "the file " + file + " cannot be read; check its name and permissions", file);
+  }
+  StoredProblem problem = archive().load(stream, file);
+  const auto est = std::make_shared<Estimator>(std::move(problem.estimator));
+  nb::dict variables;
+  for (const AnyVarID& id : problem.variables())
+    variables[nb::str(est->nameOf(id).c_str())] = Variable{est, id, ValueType::of(RuntimeType::of(id))};
+  return nb::make_tuple(est, variables);
 }
 
 /// Raises slom.Error with the parts of an error of the library.
@@ -262,8 +295,16 @@ NB_MODULE(_slom, module) {
           },
           "name"_a,
           "Sets the algorithm by its name: the names are those of the command's option --algorithm.")
+      .def(
+          "save", &save, "file"_a,
+          "Writes variables and measurements to a file for slom.load and the command slom replay. Functions that could not "
+          "be recorded cannot be saved.")
       .def("set_threads", &Estimator::setThreads, "threads"_a,
            "Sets the largest number of threads; 0: all of the machine.");
+
+  module.def(
+      "load", &load, "file"_a,
+      "Reads a problem that Estimator.save or slom::Archive wrote. Returns the estimator and its variables by name.");
 
   nb::class_<slom::FixedLag>(module, "FixedLag", "A window over the newest variables of an estimator.")
       .def(

@@ -151,6 +151,39 @@ std::shared_ptr<const ValueType> ValueType::array(std::vector<std::size_t> shape
   return type;
 }
 
+std::shared_ptr<const ValueType> ValueType::of(const std::shared_ptr<const RuntimeType>& runtime) {
+  const std::vector<RuntimeType::Field>& fields = runtime->fields();
+  const auto type = std::make_shared<ValueType>(*ofFields(fields.data(), fields.size(), 0));
+  type->runtime_ = runtime;  // with its own name
+  return type;
+}
+
+/// Returns the type of these fields; the first `depth` characters of their names are those of the compound around them.
+std::shared_ptr<const ValueType> ValueType::ofFields(const RuntimeType::Field* first, std::size_t count,
+                                                     std::size_t depth) {
+  const std::shared_ptr<ValueType> type(new ValueType);
+  if (count == 1 && first->name.size() <= depth) {
+    type->kind_ = first->kind;
+    if (first->kind == Kind::vector) type->shape_ = {static_cast<std::size_t>(first->size)};
+    type->finish();
+    return type;
+  }
+  type->is_compound_ = true;
+  type->class_ = nb::module_::import_("types").attr("SimpleNamespace");
+  const auto nameOf = [&](const RuntimeType::Field& field) {
+    return field.name.substr(depth, field.name.find('.', depth) - depth);
+  };
+  for (std::size_t i = 0, end = 0; i < count; i = end) {
+    const std::string name = nameOf(first[i]);
+    while (end < count && nameOf(first[end]) == name) ++end;
+    const bool is_nested = first[i].name.size() > depth + name.size();
+    type->members_.emplace_back(name,
+                                ofFields(first + i, end - i, depth + name.size() + (is_nested ? 1 : 0)));
+  }
+  type->finish();
+  return type;
+}
+
 void ValueType::finish() {
   std::vector<RuntimeType::Field> fields;
   appendFields("", fields);
@@ -277,7 +310,7 @@ nb::object ValueType::make(const S*& numbers, const S*& tangent) const {
 /// Makes an instance without calling the constructor, which may check the values of numbers.
 nb::object ValueType::compound(const std::vector<nb::object>& members) const {
   const nb::object object = nb::module_::import_("builtins").attr("object");
-  nb::object result = object.attr("__new__")(class_);
+  nb::object result = class_.attr("__new__")(class_);
   for (std::size_t i = 0; i < members.size(); ++i)
     object.attr("__setattr__")(result, members_[i].first, members[i]);
   return result;

@@ -25,6 +25,9 @@ class ValueType {
   /// Returns the type of arrays of this shape; of numbers if it is empty.
   static std::shared_ptr<const ValueType> array(std::vector<std::size_t> shape);
 
+  /// Returns the type for one of the library. Its compounds are objects of types.SimpleNamespace; arrays have one dimension.
+  static std::shared_ptr<const ValueType> of(const std::shared_ptr<const RuntimeType>& type);
+
   /// Appends the numbers that store a value. Throws [slom.bad-value] for a value of another type or shape, or if a number
   /// is not finite.
   void append(nb::handle value, std::vector<double>& numbers, const std::string& subject) const;
@@ -47,6 +50,8 @@ class ValueType {
  private:
   ValueType() = default;
   void finish();
+  static std::shared_ptr<const ValueType> ofFields(const RuntimeType::Field* first, std::size_t count,
+                                                   std::size_t depth);
   void appendFields(const std::string& path, std::vector<RuntimeType::Field>& fields) const;
   void appendUnchecked(nb::handle value, std::vector<double>& numbers, const std::string& subject) const;
   template <class S>

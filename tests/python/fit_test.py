@@ -4,6 +4,7 @@ import copy
 import os
 import pickle
 import signal
+import tempfile
 import threading
 import time
 import unittest
@@ -213,6 +214,23 @@ class Fits(unittest.TestCase):
         with self.assertRaisesRegex(slom.Error, "stale"):
             measurements[:3].residuals
         self.assertTrue(est.update().converged)
+
+    def test_a_saved_problem_is_the_same(self):
+        est, cameras, points, _ = self.bundle()
+        camera = est.variable(Camera(pose(self.rng), 500.0, np.array([0.1, 0.2])), "lens")
+        est.prior(camera, Camera(pose(self.rng), 510.0, np.array([0.1, 0.2])), 0.3)
+        camera.fix("focal_length")
+        with tempfile.TemporaryDirectory() as folder:
+            est.save(f"{folder}/problem.slom")
+            loaded, variables = slom.load(f"{folder}/problem.slom")
+            np.testing.assert_allclose(loaded.residuals(), est.residuals(), rtol=1e-12, atol=1e-13)
+            self.assertEqual(variables["lens"].value.focal_length, 500.0)
+            np.testing.assert_allclose(variables["camera[1]"].value - cameras[1].value, 0, atol=1e-15)
+            self.assertEqual(loaded.optimize().converged, est.optimize().converged)
+            np.testing.assert_allclose(variables["lens"].value.pose - camera.value.pose, 0, atol=1e-9)
+            np.testing.assert_allclose(variables["point[3]"].value, points[3].value, atol=1e-9)
+            with self.assertRaisesRegex(slom.Error, "cannot be read"):
+                slom.load(f"{folder}/nothing")
 
     def test_a_failed_insertion_leaves_nothing(self):
         est = slom.Estimator()
