@@ -7,13 +7,11 @@
     print(est.optimize(), centre.value, centre.std)
 """
 
-from . import _fit
 from . import _functions  # tells NumPy what to do with recorded numbers
 from ._array import array
 from ._curve_fit import CurveFit, curve_fit
 from ._error import Error, SlowFunctionWarning
 from ._manifold import manifold
-from ._prior import prior as _prior
 from ._propagated import Propagated
 from ._slom import (
     Barron,
@@ -47,12 +45,41 @@ from ._slom import (
 )
 from ._where import where
 
-Estimator.prior = _prior
-Fit.params = property(_fit.params)
-Fit.uncertainties = property(_fit.uncertainties)
-Fit.plot = _fit.plot
-Fit._repr_html_ = _fit.html_of_fit
-for _report in (Clustered, DerivativeCheck, Diagnosis, IntervalTable, OutlierReport, Preflight, VarianceComponents):
-    _report._repr_html_ = _fit.html_of_text
-
-__all__ = [name for name in dir() if not name.startswith("_")]
+__all__ = [
+    "array",
+    "Barron",
+    "Cauchy",
+    "Clustered",
+    "Condition",
+    "curve_fit",
+    "CurveFit",
+    "DerivativeCheck",
+    "Diagnosis",
+    "Error",
+    "Estimator",
+    "Fit",
+    "FixedLag",
+    "GemanMcClure",
+    "Huber",
+    "IntervalTable",
+    "load",
+    "manifold",
+    "Measurements",
+    "Number",
+    "OutlierReport",
+    "Preflight",
+    "Propagated",
+    "PseudoHuber",
+    "Rows",
+    "S2",
+    "SE2",
+    "SE3",
+    "SlowFunctionWarning",
+    "SO2",
+    "SO3",
+    "Tukey",
+    "Variable",
+    "VariableArray",
+    "VarianceComponents",
+    "where",
+]

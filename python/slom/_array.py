@@ -1,6 +1,7 @@
 """Arrays of recorded numbers. NumPy's functions of them are in _functions.py."""
 
 import numbers
+from typing import Any
 
 import numpy as np
 
@@ -52,7 +53,7 @@ for _name in ("argmax", "argmin", "argsort", "sort", "searchsorted", "partition"
     setattr(Array, _name, _refused_method(_name))
 
 
-def array(values):
+def array(values: Any) -> Any:
     """Returns numpy.array(values). Entries may be recorded numbers, which np.array would keep as mere objects."""
     a = np.array(values)
     return recorded(a) if a.dtype == object else a

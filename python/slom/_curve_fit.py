@@ -1,9 +1,11 @@
 import inspect
+from typing import Any, Callable, Iterator, Optional, Sequence, Tuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._error import Error
-from ._slom import Estimator
+from ._slom import Estimator, Fit, Interval, IntervalTable, Loss, Variable
 
 
 class CurveFit:
@@ -15,40 +17,40 @@ class CurveFit:
     fit          the report: chi-square, warnings, correlations
     """
 
-    def __init__(self, estimator, variables, fit):
+    def __init__(self, estimator: Estimator, variables: Sequence[Variable], fit: Fit) -> None:
         self.estimator, self.variables, self.fit = estimator, variables, fit
         self.names = [x.name for x in variables]
         self.popt = np.array([x.value for x in variables])
         self.pcov = estimator.covariance(variables)
 
     @property
-    def perr(self):
+    def perr(self) -> np.ndarray:
         return np.sqrt(np.diag(self.pcov))
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[np.ndarray]:
         return iter((self.popt, self.pcov))
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Variable:
         """Returns the variable of a parameter: curve["a"].value, curve["a"].std."""
         return self.variables[self.names.index(name)]
 
-    def profile(self, name, probability=0.95):
+    def profile(self, name: str, probability: float = 0.95) -> Interval:
         """Returns the profile likelihood interval of a parameter."""
         return self.estimator.profile(self[name], probability=probability)
 
-    def intervals(self, probability=0.95):
+    def intervals(self, probability: float = 0.95) -> IntervalTable:
         """Returns the profile likelihood intervals of all parameters."""
         return self.estimator.intervals(probability)
 
-    def plot(self, figure=None):
+    def plot(self, figure: Any = None) -> Any:
         return self.fit.plot(figure)
 
-    def __str__(self):
+    def __str__(self) -> str:
         return str(self.fit)
 
     __repr__ = __str__
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return self.fit._repr_html_()
 
 
@@ -57,20 +59,20 @@ class NotFitted(Error, RuntimeError):
 
 
 def curve_fit(
-    f,
-    xdata,
-    ydata,
-    p0=None,
-    sigma=None,
-    absolute_sigma=False,
-    check_finite=True,
-    bounds=(-np.inf, np.inf),
+    f: Callable[..., Any],
+    xdata: ArrayLike,
+    ydata: ArrayLike,
+    p0: Optional[ArrayLike] = None,
+    sigma: Optional[ArrayLike] = None,
+    absolute_sigma: bool = False,
+    check_finite: bool = True,
+    bounds: Tuple[ArrayLike, ArrayLike] = (-np.inf, np.inf),
     *,
-    names=None,
-    nan_policy=None,
-    loss=None,
-    **options,
-):
+    names: Optional[Sequence[str]] = None,
+    nan_policy: Optional[str] = None,
+    loss: Optional[Loss] = None,
+    **options: Any,
+) -> CurveFit:
     """Fits f(x, a, b, ...) to data, with the arguments of scipy.optimize.curve_fit. The derivatives are exact.
 
     f               gets all of xdata, or one row if it computes each value from its own row alone
@@ -79,6 +81,7 @@ def curve_fit(
     sigma           standard deviations, M of them, or an M x M covariance
     absolute_sigma  False: only the ratios of sigma count, and the residuals give their scale
     bounds          (lower, upper): numbers, or one for each parameter
+    check_finite    has no effect: data that are not finite are refused in any case
     nan_policy      None or "raise": data that are not finite are refused. "omit": they are left out
     names           names of the parameters in reports; without them those of f's arguments
     loss            a robust loss, such as slom.Huber(1.345)

@@ -56,20 +56,20 @@ def html_of_text(self):
 
 def plot(self, figure=None):
     """Plots the residuals of each kind of measurements beside the normal distribution, and the correlations of the
-    parameters, if there are at most 200. Returns the figure. Needs matplotlib."""
+    parameters, if there are at most 200. The outermost bars hold all residuals beyond. Returns the figure. Needs matplotlib."""
     import matplotlib.pyplot as plt
 
     figure = figure or plt.figure(figsize=(10, 4), layout="constrained")
     names = [p.name for p in self.parameters] if self.unknowns <= 200 else []
     left, right = figure.subplots(1, 2) if len(names) > 1 else (figure.subplots(), None)
-    residuals, first = self.estimator.residuals(), 0
+    is_estimated = self.estimator.sigma == "estimated" and self.redundancy > 0
+    scale = np.sqrt(self.chi2_per_dof) if is_estimated else 1
     edges = np.linspace(-5, 5, 41)
     for kind in self.kinds:
-        own = residuals[first : first + kind.residuals]
-        first += kind.residuals
+        own = self.estimator.residuals(kind.name) / scale
         left.hist(np.clip(own, -5, 5), edges, density=True, histtype="step", label=f"{kind.name} ({kind.residuals})")
     left.plot(edges, np.exp(-edges * edges / 2) / np.sqrt(2 * np.pi), "k:", label="normal distribution")
-    left.set(xlabel="residual [standard deviations]; the outermost bars hold all beyond", ylabel="density")
+    left.set(xlabel="residual [standard deviations]", ylabel="density")
     left.legend(frameon=False)
     if right is not None:
         std = np.sqrt(np.diag(self.covariance))

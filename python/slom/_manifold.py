@@ -1,11 +1,15 @@
 import dataclasses
+from typing import Type, TypeVar
 
 import numpy as np
 
 from . import _measured
 
 
-def manifold(cls):
+T = TypeVar("T")
+
+
+def manifold(cls: Type[T]) -> Type[T]:
     """Makes a class a type of variables and data. Its annotated fields are numbers, arrays, SO2, SO3, S2, SE2, SE3, or
     instances of other such classes. The class becomes a dataclass if it is not one.
 

@@ -3,9 +3,7 @@ import numpy as np
 from ._error import Error
 
 
-def prior(self, variable, value, sigma=None, *, covariance=None, information=None, path="", loss=None, name="prior"):
-    """Adds prior knowledge of a variable, or of its component at a path such as "pos.z": a measurement of its value with
-    a standard deviation, a covariance or an information matrix. Returns the measurement."""
+def prior(estimator, variable, value, sigma, covariance, information, path, loss, name):
     options = {} if loss is None else {"loss": loss}
     names = [name[len(variable.name) :].lstrip(".") for name in variable.components]
     if path and not any(name == path or name.startswith(path + ".") for name in names):
@@ -16,7 +14,7 @@ def prior(self, variable, value, sigma=None, *, covariance=None, information=Non
     measured = [value] if not isinstance(value, (float, int)) else np.array([value], float)
     if isinstance(value, np.ndarray):
         measured = value[None]
-    return self.measure(
+    return estimator.measure(
         lambda x: _component(x, path),
         variable,
         measured=measured,

@@ -12,7 +12,7 @@ class Propagated:
     covariance: np.ndarray  #: in the tangent space of the value
 
     @property
-    def std(self):
+    def std(self) -> Any:
         """Standard deviations: a number for a number, an array of the shape of an array."""
         deviations = np.sqrt(np.diag(self.covariance))
         if isinstance(self.value, float):

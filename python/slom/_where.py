@@ -1,10 +1,12 @@
+from typing import Any
+
 import numpy as np
 
 from ._array import is_recorded, result
 from ._slom import Condition, Number, _select
 
 
-def where(condition, a, b):
+def where(condition: Any, a: Any, b: Any) -> Any:
     """Returns `a` where the condition holds, `b` elsewhere: numpy.where that also takes recorded numbers."""
     if not any(is_recorded(np.asarray(x)) for x in (condition, a, b)):
         return np.where(condition, a, b)[()]

@@ -87,6 +87,22 @@ VariableArray variables(const Shared& est, nb::handle values, const std::string&
   return all;
 }
 
+/// Returns the whitened residuals of all measurements, or of those with this label.
+Eigen::VectorXd residuals(const Estimator& est, const std::optional<std::string>& label) {
+  const Eigen::VectorXd all = est.residuals();
+  if (!label) return all;
+  std::vector<Eigen::Index> chosen;
+  Eigen::Index next = 0;
+  for (const auto& pool : est.table().pools()) {
+    for (int i = 0; i < pool->size(); ++i) {
+      for (int k = 0; k < pool->rows(i); ++k, ++next) {
+        if (pool->label() == *label) chosen.push_back(next);
+      }
+    }
+  }
+  return all(chosen);
+}
+
 /// Returns f(values) and its covariance.
 nb::object propagate(const Estimator& est, nb::handle f, const nb::args& passed, nb::handle covariance) {
   std::vector<Variable> variables;
@@ -203,6 +219,18 @@ NB_MODULE(_slom, module) {
           "Fits the variables. Returns what the fit did, and why it stopped. Ctrl-C ends the fit with the best values "
           "reached. `observer` is called after each iteration; if it returns False, the fit ends.")
       .def(
+          "prior",
+          [](nb::handle self, const Variable& x, nb::handle value, nb::handle sigma, nb::handle covariance,
+             nb::handle information, const std::string& path, nb::handle loss, const std::string& name) {
+            const nb::object prior = nb::module_::import_("slom._prior").attr("prior");
+            return nb::cast<Measurements>(
+                prior(self, x, value, sigma, covariance, information, path, loss, name));
+          },
+          "variable"_a, "value"_a, "sigma"_a = nb::none(), nb::kw_only(), "covariance"_a = nb::none(),
+          "information"_a = nb::none(), "path"_a = "", "loss"_a = nb::none(), "name"_a = "prior",
+          "Adds prior knowledge of a variable, or of its component at a path such as \"pos.z\": a measurement of its value "
+          "with a standard deviation, a covariance or an information matrix. Returns the measurement.")
+      .def(
           "update",
           [](Estimator& est, double tolerance, int max_steps, double budget, bool reconsider) {
             return est.update({tolerance, max_steps, budget, reconsider});
@@ -212,8 +240,8 @@ NB_MODULE(_slom, module) {
           nb::call_guard<nb::gil_scoped_release>(),
           "Brings the values to the optimum after changes, in time proportional to what they affect.")
       .def(
-          "residuals", [](const Estimator& est) { return Eigen::VectorXd(est.residuals()); },
-          "Returns all residuals in units of their standard deviations.")
+          "residuals", &residuals, "name"_a = nb::none(),
+          "Returns the residuals of all measurements, or those of one name, in units of their standard deviations.")
       .def_prop_ro(
           "rss", [](const Estimator& est) { return est.getRSS(); }, "The sum of squared whitened residuals.")
       .def_prop_ro("warnings", &Estimator::warnings,

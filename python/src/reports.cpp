@@ -29,11 +29,16 @@ std::string textOf(const T& x) {
   return text.str();
 }
 
+/// Returns a method that is a function of slom/_fit.py.
+auto inPython(const char* name) {
+  return [name](nb::handle self) { return nb::module_::import_("slom._fit").attr(name)(self); };
+}
+
 /// Declares a class that prints as in C++.
 template <class T>
 nb::class_<T> bindReport(nb::module_& module, const char* name, const char* doc) {
   nb::class_<T> c(module, name, doc);
-  c.def("__str__", &textOf<T>).def("__repr__", &textOf<T>);
+  c.def("__str__", &textOf<T>).def("__repr__", &textOf<T>).def("_repr_html_", inPython("html_of_text"));
   return c;
 }
 
@@ -140,6 +145,18 @@ void bindFit(nb::module_& module) {
             return fit.summary.parameters;
           },
           "The fitted components with their standard deviations.")
+      .def_prop_ro("params", inPython("params"), "The fitted components as a pandas frame.")
+      .def_prop_ro("uncertainties", inPython("uncertainties"),
+                   "The fitted components as correlated values of the package `uncertainties`, by name.")
+      .def(
+          "plot",
+          [](nb::handle self, nb::handle figure) {
+            return nb::module_::import_("slom._fit").attr("plot")(self, figure);
+          },
+          "figure"_a = nb::none(),
+          "Plots the residuals of each kind of measurements beside the normal distribution, and the correlations of the "
+          "parameters, if there are at most 200. Returns the figure. Needs matplotlib.")
+      .def("_repr_html_", inPython("html_of_fit"))
       .def_prop_ro("covariance", &covarianceOf, "Joint covariance of `parameters`, in their order.")
       .def(
           "json", [](const Fit& fit) { return fit.summary.json(); }, "Returns the summary as a JSON object.")

@@ -241,6 +241,17 @@ class Fits(unittest.TestCase):
             est.measure(lambda x, z: x - z, x, np.ones(3), group=[1, 2])
         self.assertEqual(est.residuals().size, 0)
 
+    def test_residuals_by_name(self):
+        est = slom.Estimator()
+        x = est.variable(1.0, "x")
+        for k in range(3):  # two formulas of one name, and another name between
+            est.measure(lambda x: x + 10.5 * k, x, name="a")
+            est.measure(lambda x: [x * x, -x], x, name="b")
+            est.measure(lambda x: x * x + 20.5 * k, x, name="a")
+        np.testing.assert_allclose(sorted(est.residuals("a")), [1, 1, 11.5, 21.5, 22, 42])
+        np.testing.assert_allclose(sorted(est.residuals("b")), [-1, -1, -1, 1, 1, 1])
+        self.assertEqual(est.residuals("c").size, 0)
+
     def test_errors_have_parts(self):
         est = slom.Estimator()
         x = est.variable(0.0, "x")
