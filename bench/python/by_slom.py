@@ -29,7 +29,7 @@ def graph(data, name):
     poses[0].fix()
     est.measure(lambda a, b: a.inverse() * b, poses[problem.i], poses[problem.j], measured=rows(problem.measured),
                 information=problem.information)
-    return fitted(est, start)
+    return fitted(est, start, deviation_tolerance=1e-4)  # the command's
 
 
 @slom.manifold
@@ -54,7 +54,7 @@ def bundle(data, name, tolerance):
     points = est.variables(problem.points, "point")
     est.measure(project, cameras[problem.i], points[problem.j], measured=problem.pixels)
     est.use_algorithm("lm")
-    return fitted(est, start, decrease_tolerance=tolerance, max_iterations=100)
+    return fitted(est, start, decrease_tolerance=tolerance, deviation_tolerance=np.inf, max_iterations=100)  # the command's
 
 
 def circle_fit(points):
