@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Measures fits from Python beside the command `slom`, SciPy, CasADi and GTSAM, on one thread, and prints tables in Markdown.
+"""Measures fits from Python beside the command `slom`, SciPy, CasADi and GTSAM, on one thread. Prints Markdown.
 
-    PYTHONPATH=build/py/python python bench/python/fits.py --command build/release/apps/slom [--json FILE]
+    PYTHONPATH=build/py/python python bench/python/fits.py --command SLOM --tape BENCH_TAPE [--json FILE]
 
-Programs take turns. Each run has a process of its own; the least time of the rounds counts. A peer that is not installed is left
-out: pip install scipy casadi gtsam. Without --command its columns are absent."""
+Programs take turns. Each run has a process of its own; the least time of the rounds counts. A peer that is not
+installed is left out: pip install scipy casadi gtsam. Without --command and --tape their numbers are absent."""
 import argparse
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -87,37 +88,53 @@ def tables(results):
     rows = []
     for job in JOBS[: 2 + len(TOLERANCES)]:
         a, b = results[job], results.get("command:" + job)
-        row = [job.split(":")[1].replace(",", ", tolerance "), ms(a["insert"]), ms(a["begin"]), ms(a["fit"]), ms(a["wall"]), a["iterations"]]
+        name = job.split(":")[1].replace(",", ", ")
+        rows.append([name, "Python", *columns(a), ms(a["insert"]), "", "", ""])
         if b:
-            each = lambda run: (run["fit"] - run["begin"]) / run["iterations"]  # noqa: E731
-            row += [ms(b["begin"]), ms(b["fit"]), b["iterations"], f"{a['fit'] / b['fit']:.2f}", f"{each(a) / each(b):.2f}",
-                    f"{a['rss'] / b['rss'] - 1:.1e}"]
-        rows.append(row)
-    table(["problem", "insertion ms", "before the first step ms", "fit ms", "`optimize()` ms", "iterations", "command: before the first step ms",
-           "fit ms", "iterations", "fit: Python / command", "iteration: Python / command", "final cost: Python / command - 1"][: len(rows[0])],
-          rows)
+            each = [(run["fit"] - run["begin"]) / run["iterations"] for run in (a, b)]
+            rows[-1][-3:] = [f"{a['fit'] / b['fit']:.2f}", f"{each[0] / each[1]:.2f}", f"{a['rss'] / b['rss'] - 1:.1e}"]
+            rows.append(["", "command", *columns(b), ms(b["phases"]["setup"]), "", "", ""])
+    table(["problem", "program", "before the first step ms", "fit ms", "iterations", "final cost", "insertion ms",
+           "fit: Python / command", "iteration: Python / command", "cost: Python / command - 1"], rows)
     million = results["million"]
-    print(f"* Insertion of 10^6 scalar measurements from arrays: {million['insert']:.3g} s. Their fit: {million['wall']:.3g} s, "
-          f"{million['iterations']} iterations.")
-    print(f"* From the first `measure` to the end of the first iteration, 20 points, new process: {ms(results['small']['seconds'])} ms.\n")
+    print(f"* Insertion of 10^6 scalar measurements from arrays: {million['insert']:.3g} s. Their fit: "
+          f"{million['seconds']:.3g} s, {million['iterations']} iterations. The whole `optimize()`: {million['wall']:.3g} s.")
+    print("* From the first `measure` to the end of the first iteration, 20 points, new process: "
+          f"{ms(results['small']['seconds'])} ms.\n")
     rows = []
     for job in ["circle", *PEERS[:2], "graph:intel", *PEERS[2:5], "graph:sphere2500", *PEERS[5:]]:
         run = results.get(job)
         if not run:
             continue
-        is_peer = job in PEERS
-        own = own if is_peer else run
         words = job.split(":")
-        name, program = (words[1], " ".join([words[0], *words[2:]])) if is_peer else (words[-1], "SLoM")
-        both = run["wall"] + run.get("insert", 0)
-        rows.append([name, program, ms(run["insert"]) if "insert" in run else "–", ms(run["wall"]), run["iterations"], f"{run['rss']:.9g}",
-                     f"{both / (own['wall'] + own['insert']):.3g}"])
-    table(["problem", "program", "insertion ms", "fit ms", "iterations", "final cost", "insertion and fit / SLoM"], rows)
+        if job not in PEERS:
+            own = run
+            name, program = words[-1], "SLoM"
+        else:
+            name, program = words[1], " ".join([words[0], *words[2:]])
+        total, own_total = (x["wall"] + x.get("insert", 0) for x in (run, own))
+        rows.append([name, program, ms(run["insert"]) if "insert" in run else "–", ms(run["wall"]), run["iterations"],
+                     f"{run['rss']:.10g}", f"{total / own_total:.3g}"])
+    table(["problem", "program", "insertion ms", "`optimize()` ms", "iterations", "final cost", "both / SLoM"], rows)
+
+
+def columns(run):
+    return [ms(run["begin"]), ms(run["fit"]), run["iterations"], f"{run['rss']:.10g}"]
+
+
+def tape_table(program):
+    text = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+    number = r"\(\s*([\d.]+)\)"
+    pattern = rf"(.+?)  +plain .*?{number}.*packs .*?{number}.*tape .*?{number}"
+    rows = [(name, *found) for name, *found in re.findall(pattern, text)]
+    rows = [[*row, f"{float(row[3]) / float(row[1]):.2f}", f"{float(row[3]) / float(row[2]):.2f}"] for row in rows]
+    table(["measurement", "plain ns", "packs ns", "tape ns", "tape / plain", "tape / packs"], rows)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--command", metavar="FILE", help="the program slom")
+    parser.add_argument("--tape", metavar="FILE", help="the program bench_tape")
     parser.add_argument("--data", default=DATA, help="folder with posegraph and bal; default: %(default)s")
     parser.add_argument("--rounds", type=int, default=5, help="default: %(default)s")
     parser.add_argument("--json", metavar="FILE", help="all runs")
@@ -138,6 +155,8 @@ def main():
         with open(given.json, "w") as file:
             json.dump(runs, file, indent=1)
     tables({job: least(own) for job, own in runs.items()})
+    if given.tape:
+        tape_table(given.tape)
     print(f"Load of the machine: {start:.2f} at the start, {os.getloadavg()[0]:.2f} at the end.")
 
 
