@@ -85,8 +85,8 @@ def scipy_circle(solver):
 
 
 def casadi_graph(data, name):
-    """Gauss-Newton with exact derivatives of an edge from CasADi's virtual machine, mapped over all edges. SuperLU solves
-    the system."""
+    """Gauss-Newton with exact derivatives of an edge from CasADi's virtual machine, mapped over all edges. SuperLU
+    solves the system."""
     import casadi
     from scipy.sparse.linalg import splu
 

@@ -78,7 +78,7 @@ def ms(seconds):
 
 
 def table(head, rows):
-    print("| " + " | ".join(head) + " |\n|" + "|".join("---" if k == 0 else "---:" for k in range(len(head))) + "|")
+    print("| " + " | ".join(head) + " |\n|" + "|".join("---" if k < 2 else "---:" for k in range(len(head))) + "|")
     for row in rows:
         print("| " + " | ".join(str(x) for x in row) + " |")
     print()
@@ -98,7 +98,8 @@ def tables(results):
            "fit: Python / command", "iteration: Python / command", "cost: Python / command - 1"], rows)
     million = results["million"]
     print(f"* Insertion of 10^6 scalar measurements from arrays: {million['insert']:.3g} s. Their fit: "
-          f"{million['seconds']:.3g} s, {million['iterations']} iterations. The whole `optimize()`: {million['wall']:.3g} s.")
+          f"{million['seconds']:.3g} s, {million['iterations']} iterations. "
+          f"The whole `optimize()`: {million['wall']:.3g} s.")
     print("* From the first `measure` to the end of the first iteration, 20 points, new process: "
           f"{ms(results['small']['seconds'])} ms.\n")
     rows = []

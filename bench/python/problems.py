@@ -5,8 +5,8 @@ import numpy as np
 
 
 class Graph:
-    """A pose graph: rows of `poses` are x, y, angle or x, y, z, qx, qy, qz, qw; edges go from poses i to poses j. The information
-    is that of the error t_ab - t_z in the frame of a, as in the command."""
+    """A pose graph: rows of `poses` are x, y, angle or x, y, z, qx, qy, qz, qw; edges go from poses i to poses j. The
+    information is that of the error t_ab - t_z in the frame of a, as in the command."""
 
 
 def read_graph(path):
