@@ -16,7 +16,8 @@ def fitted(est, start, **options):
     wall = time.perf_counter() - start
     assert fit.kinds[0].derivatives == "exact"
     return {"insert": insertion, "begin": fit.trace[0].seconds, "first": fit.trace[1].seconds,
-            "fit": fit.trace[-1].seconds, "seconds": fit.seconds, "wall": wall, "iterations": fit.iterations, "rss": fit.final_rss}
+            "fit": fit.trace[-1].seconds, "seconds": fit.seconds, "wall": wall,
+            "iterations": fit.iterations, "rss": fit.final_rss}
 
 
 def graph(data, name):
