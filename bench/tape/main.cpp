@@ -12,11 +12,23 @@
 #include <slom/slom.hpp>
 #include <slom/tape.hpp>
 
+#include "linearize/measurements.hpp"
+
 namespace {
 
 using SE3 = mtk::trafo<mtk::SO3<>>;
 using Vec2 = mtk::vect<2>;
 using Vec3 = mtk::vect<3>;
+using Vec4 = mtk::vect<4>;
+
+/// A corner of a board in both images.
+struct Stereo {
+  static constexpr bool is_vectorized = true;
+  auto operator()(const auto& intrinsics, const auto& left2right, const auto& board2left) const {
+    return slom::bench::StereoReprojection()(intrinsics, left2right, board2left, Vec3(0.06, 0.03, 0),
+                                             Vec4(0, 0, 0, 0));
+  }
+};
 
 constexpr int kCount = 512, kRounds = 400;
 
@@ -116,6 +128,15 @@ int main() {
   compare<slom::RelativePose, SE3, SE3, SE3>("pose 6x12", [&] {
     const SE3 a = pose(), b = pose();
     return std::tuple((a.inverse() * b) * SE3(mtk::SO3<>::exp(Vec3(0.1 * vec3())), Vec3(0.1 * vec3())), a, b);
+  });
+  compare<Stereo, Vec4, slom::bench::StereoIntrinsics, SE3, SE3>("stereo 4x30", [&] {
+    slom::bench::StereoIntrinsics intrinsics;
+    intrinsics.left << 600, 600, 320, 240, -0.1, 0.01, 1e-3, 1e-3, 0;
+    intrinsics.right = intrinsics.left;
+    const auto near = [&](double depth) {
+      return SE3(mtk::SO3<>::exp(Vec3(0.1 * vec3())), Vec3(0.1 * vec3() + Vec3(0, 0, depth)));
+    };
+    return std::tuple(Vec4(300, 200, 310, 210), intrinsics, near(0), near(2));
   });
   compare<slom::Range, double, Vec2, Vec2>("range 1x4", [&] {
     return std::tuple(1.0, Vec2(normal(engine), normal(engine)), Vec2(normal(engine), normal(engine)));
