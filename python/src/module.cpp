@@ -311,7 +311,16 @@ NB_MODULE(_slom, module) {
           "What a free gauge does: an \"error\" at covariances, or a free network (\"inner_constraints\").")
       .def(
           "use_algorithm",
-          [](Estimator& est, const std::string& name) {
+          [](Estimator& est, const std::string& name, std::optional<double> initial_damping,
+             std::optional<double> memory) {
+            if (name == "lm") {
+              est.changeAlgorithm(
+                  slom::LevenbergMarquardt(initial_damping.value_or(1e-4), memory.value_or(1)));
+              return;
+            }
+            if (initial_damping || memory)
+              raiseOption("the algorithm with initial_damping or memory", name,
+                          "\"lm\", which alone has these");
             const slom::NamedAlgorithm* const found = slom::algorithmNamed(name);
             if (found == nullptr) {
               std::string names;
@@ -321,8 +330,10 @@ NB_MODULE(_slom, module) {
             }
             est.changeAlgorithm(found->make().release());
           },
-          "name"_a,
-          "Sets the algorithm by its name: the names are those of the command's option --algorithm.")
+          "name"_a, nb::kw_only(), "initial_damping"_a = nb::none(), "memory"_a = nb::none(),
+          "Sets the algorithm by its name: the names are those of the command's option --algorithm. \"lm\" has two "
+          "options: the first damping (1e-4), and the memory of the scales from 0 to 1 (1). Bundle adjustments are faster "
+          "with memory=0.1.")
       .def(
           "save", &save, "file"_a,
           "Writes variables and measurements to a file for slom.load and the command slom replay. Functions that could not "
