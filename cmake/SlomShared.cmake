@@ -83,8 +83,9 @@ function(slom_version_script result namespace)
     string(REPLACE "@" "${mangled}" pattern "${pattern}")
     string(APPEND lines "    ${pattern}*;\n")
   endforeach()
-  if(namespace STREQUAL slom)  # the exception that all throw, and the instances of Eigen's << that slom/analyze/printing.hpp declares
-    string(APPEND lines "    _ZT[ISV]N3mtk5ErrorE;\n    _ZN5EigenlsI*;\n")
+  if(namespace STREQUAL slom)
+    # the exception that all throw, the instances of Eigen's << that slom/analyze/printing.hpp declares, and rotations of recorded numbers
+    string(APPEND lines "    _ZT[ISV]N3mtk5ErrorE;\n    _ZN5EigenlsI*;\n    _ZN3mtk3SO3IN4slom4tape6NumberEE*;\n    _ZNK3mtk3SO3IN4slom4tape6NumberEE*;\n")
   endif()
   set(${result} "{\n  global:\n${lines}  local:\n    *;\n};\n" PARENT_SCOPE)
 endfunction()

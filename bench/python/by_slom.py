@@ -54,8 +54,8 @@ def bundle(data, name, tolerance):
     cameras = est.variables(slom.Rows(problem.cameras, like=Camera(slom.SE3(), np.zeros(3))), "camera")
     points = est.variables(problem.points, "point")
     est.measure(project, cameras[problem.i], points[problem.j], measured=problem.pixels)
-    est.use_algorithm("lm")
-    # Tolerances are the command's. Its damping is not: it begins with 1e-4 and forgets scales of earlier iterations.
+    est.use_algorithm("lm", memory=0.1)
+    # The options are the command's.
     return fitted(est, start, decrease_tolerance=tolerance, deviation_tolerance=np.inf, max_iterations=100)
 
 
