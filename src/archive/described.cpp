@@ -18,7 +18,7 @@ using Field = RuntimeType::Field;
 using Kind = RuntimeType::Kind;
 using Part = tape::Part;
 
-constexpr const char* kNameOfKind[]{"number", "vector", "so2", "so3", "s2", "se2", "se3"};
+constexpr const char* kNameOfField[]{"number", "vector", "so2", "so3", "s2", "se2", "se3"};
 
 /// Returns the numbers of one value; false if the stream has fewer.
 bool readNumbers(std::istream& is, int count, std::vector<double>& numbers) {
@@ -107,7 +107,7 @@ std::string textOf(const RuntimeType& type) {
   std::string text;
   for (const Field& field : type.fields()) {
     text +=
-        (text.empty() ? "" : " ") + inQuotes(field.name) + " " + kNameOfKind[static_cast<int>(field.kind)];
+        (text.empty() ? "" : " ") + inQuotes(field.name) + " " + kNameOfField[static_cast<int>(field.kind)];
     if (field.kind == Kind::vector) text += " " + std::to_string(field.size);
   }
   return text;
@@ -119,9 +119,9 @@ std::shared_ptr<const RuntimeType> readType(std::istream& is, const std::string&
     Field field;
     std::string kind;
     if (!(is >> std::quoted(field.name) >> kind)) return nullptr;
-    const auto found = std::find(std::begin(kNameOfKind), std::end(kNameOfKind), kind);
-    if (found == std::end(kNameOfKind)) return nullptr;
-    field.kind = static_cast<Kind>(found - std::begin(kNameOfKind));
+    const auto found = std::find(std::begin(kNameOfField), std::end(kNameOfField), kind);
+    if (found == std::end(kNameOfField)) return nullptr;
+    field.kind = static_cast<Kind>(found - std::begin(kNameOfField));
     if (field.kind == Kind::vector && !(is >> field.size)) return nullptr;
     fields.push_back(std::move(field));
   }

@@ -14,8 +14,7 @@ namespace slom {
 
 namespace {
 
-using Field = RuntimeType::Field;
-using Kind = RuntimeType::Kind;
+using FieldKind = RuntimeType::Kind;
 using SE2 = mtk::trafo<mtk::SO2<>>;
 using SE3 = mtk::trafo<mtk::SO3<>>;
 
@@ -45,23 +44,23 @@ void write(T x, double* numbers) {
 
 /// Calls f with the value of a field that is made of these numbers.
 template <class F>
-void withField(const Field& field, const double* numbers, const F& f) {
+void withField(const RuntimeType::Field& field, const double* numbers, const F& f) {
   switch (field.kind) {
-    case Kind::number:
+    case FieldKind::number:
       return f(*numbers);
-    case Kind::vector:
+    case FieldKind::vector:
       if (field.size == 2) return f(read(mtk::vect<2>(), numbers));
       if (field.size == 3) return f(read(mtk::vect<3>(), numbers));
       return f(read(mtk::vect<mtk::Dynamic>(field.size), numbers));
-    case Kind::so2:
+    case FieldKind::so2:
       return f(read(mtk::SO2<>(), numbers));
-    case Kind::so3:
+    case FieldKind::so3:
       return f(read(mtk::SO3<>(), numbers));
-    case Kind::s2:
+    case FieldKind::s2:
       return f(read(mtk::S2<>(), numbers));
-    case Kind::se2:
+    case FieldKind::se2:
       return f(read(SE2(), numbers));
-    case Kind::se3:
+    case FieldKind::se3:
       return f(read(SE3(), numbers));
   }
 }
@@ -93,9 +92,9 @@ struct OrientationsOfField final : OrientationSink {
 }
 
 /// Returns a text that is different for different types.
-std::string keyOf(const std::string& name, const std::vector<Field>& fields) {
+std::string keyOf(const std::string& name, const std::vector<RuntimeType::Field>& fields) {
   std::string key = std::to_string(name.size()) + ' ' + name;
-  for (const Field& field : fields) {
+  for (const RuntimeType::Field& field : fields) {
     key += ' ' + std::to_string(field.name.size()) + ' ' + field.name + ' ' +
            std::to_string(static_cast<int>(field.kind)) + ' ' + std::to_string(field.size);
   }
@@ -106,7 +105,7 @@ std::string keyOf(const std::string& name, const std::vector<Field>& fields) {
 
 RuntimeType::RuntimeType(std::string name, std::vector<Field> fields)
     : name_(std::move(name)), fields_(std::move(fields)) {
-  for (const Field& field : fields_) {
+  for (const RuntimeType::Field& field : fields_) {
     places_.push_back(end_);
     end_.coordinate += coordinatesOf(field);
     end_.component += dofOf(field);
@@ -116,16 +115,16 @@ RuntimeType::RuntimeType(std::string name, std::vector<Field> fields)
 std::shared_ptr<const RuntimeType> RuntimeType::make(std::string name, std::vector<Field> fields) {
   if (fields.empty()) raiseType(name, "has no fields; give it at least one");
   for (Field& field : fields) {
-    if (field.kind != Kind::vector) field.size = 1;
+    if (field.kind != FieldKind::vector) field.size = 1;
     if (field.size < 1) {
       raiseType(name, "has the vector " + field.name + " of " + std::to_string(field.size) +
                           " numbers; give it at least one");
     }
   }
   constexpr long most = 65535;
-  const long numbers = std::accumulate(fields.begin(), fields.end(), 0L, [](long sum, const Field& field) {
-    return sum + coordinatesOf(field);
-  });
+  const long numbers =
+      std::accumulate(fields.begin(), fields.end(), 0L,
+                      [](long sum, const RuntimeType::Field& field) { return sum + coordinatesOf(field); });
   if (numbers > most) {
     raiseType(name, "has " + std::to_string(numbers) + " numbers; give it at most " + std::to_string(most));
   }
@@ -151,30 +150,30 @@ std::shared_ptr<const RuntimeType> RuntimeType::of(const VariableHandle& id) {
   return store == nullptr ? nullptr : store->type();
 }
 
-int RuntimeType::coordinatesOf(const Field& field) {
+int RuntimeType::coordinatesOf(const RuntimeType::Field& field) {
   switch (field.kind) {
-    case Kind::so3:
+    case FieldKind::so3:
       return 4;
-    case Kind::s2:
-    case Kind::se2:
+    case FieldKind::s2:
+    case FieldKind::se2:
       return 3;
-    case Kind::se3:
+    case FieldKind::se3:
       return 7;
     default:
       return dofOf(field);
   }
 }
 
-int RuntimeType::dofOf(const Field& field) {
+int RuntimeType::dofOf(const RuntimeType::Field& field) {
   switch (field.kind) {
-    case Kind::vector:
+    case FieldKind::vector:
       return field.size;
-    case Kind::so3:
-    case Kind::se2:
+    case FieldKind::so3:
+    case FieldKind::se2:
       return 3;
-    case Kind::s2:
+    case FieldKind::s2:
       return 2;
-    case Kind::se3:
+    case FieldKind::se3:
       return 6;
     default:
       return 1;
@@ -199,23 +198,23 @@ std::vector<double> RuntimeType::normalized(std::vector<double> numbers) const {
   for (std::size_t i = 0; i < fields_.size(); ++i) {
     double* const x = numbers.data() + places_[i].coordinate;
     switch (fields_[i].kind) {
-      case Kind::so2:
+      case FieldKind::so2:
         write(mtk::SO2<>(x[0]), x);
         break;
-      case Kind::se2:
+      case FieldKind::se2:
         write(mtk::SO2<>(x[2]), x + 2);
         break;
-      case Kind::so3:
+      case FieldKind::so3:
         write(mtk::SO3<>(x[3], x[0], x[1], x[2]), x);
         break;
-      case Kind::se3:
+      case FieldKind::se3:
         write(mtk::SO3<>(x[6], x[3], x[4], x[5]), x + 3);
         break;
-      case Kind::s2:
+      case FieldKind::s2:
         write(mtk::S2<>(x[0], x[1], x[2]), x);
         break;
-      case Kind::number:
-      case Kind::vector:
+      case FieldKind::number:
+      case FieldKind::vector:
         break;
     }
   }
@@ -238,7 +237,7 @@ std::vector<std::string> RuntimeStore::componentNames(std::uint32_t slot, const 
   std::vector<std::string> names;
   const double* const numbers = numbersOf(valueAt(slot));
   for (std::size_t i = 0; i < type_->fields().size(); ++i) {
-    const Field& field = type_->fields()[i];
+    const RuntimeType::Field& field = type_->fields()[i];
     const std::string own = field.name.empty() ? path : mtk::detail::joinPath(path, field.name);
     withField(field, numbers + type_->places()[i].coordinate, [&](const auto& x) {
       for (std::string& name : mtk::componentNames(x, own)) names.push_back(std::move(name));
@@ -265,10 +264,10 @@ void RuntimeStore::assign(void* to, const void* from) const {
 
 void RuntimeStore::boxplus(void* value, const double* d) const {
   for (std::size_t i = 0; i < type_->fields().size(); ++i) {
-    const Field& field = type_->fields()[i];
+    const RuntimeType::Field& field = type_->fields()[i];
     const RuntimeType::Place place = type_->places()[i];
     double* const numbers = static_cast<double*>(value) + place.coordinate;
-    if (field.kind == Kind::number || field.kind == Kind::vector) {
+    if (field.kind == FieldKind::number || field.kind == FieldKind::vector) {
       for (int k = 0; k < RuntimeType::dofOf(field); ++k) numbers[k] += d[place.component + k];
     } else {
       withField(field, numbers, [&](auto x) {

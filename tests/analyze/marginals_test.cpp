@@ -40,7 +40,7 @@ TEST(Marginals, KnowTheirVariablesWhateverIsRemovedAndInserted) {
             std::string::npos);
   EXPECT_EQ(
       messageOf([&] { marginals.covariance(slom::VarID<Point>()); }),
-      "[slom.stale-handle] the VarID<vect<2>> refers to no variable; assign it the result of insertRV first");
+      "[slom.stale-handle] the VarID refers to no variable; assign it the result of insertRV first");
 }
 
 TEST(Marginals, OutliveTheirEstimator) {
