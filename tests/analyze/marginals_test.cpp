@@ -38,9 +38,8 @@ TEST(Marginals, KnowTheirVariablesWhateverIsRemovedAndInserted) {
   const auto foreign = insertMeasured(other, 1, "foreign");
   EXPECT_NE(messageOf([&] { marginals.covariance(foreign); }).find("[slom.stale-marginals]"),
             std::string::npos);
-  EXPECT_EQ(
-      messageOf([&] { marginals.covariance(slom::VarID<Point>()); }),
-      "[slom.stale-handle] the VarID refers to no variable; assign it the result of insertRV first");
+  EXPECT_EQ(messageOf([&] { marginals.covariance(slom::VarID<Point>()); }),
+            "[slom.stale-handle] the VarID refers to no variable; assign it the result of insertRV first");
 }
 
 TEST(Marginals, OutliveTheirEstimator) {
