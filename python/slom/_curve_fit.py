@@ -145,8 +145,9 @@ def _names(f, count):
             raise _error("f takes any number of parameters; pass p0, one start value for each", "p0")
         return [f"p{i}" for i in range(count)]
     named = [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
-    needed = sum(p.default is p.empty for p in named)
-    return [p.name for p in named][: needed if count is None else max(count, needed)]
+    if count is not None:
+        named = named[: max(count, sum(p.default is p.empty for p in named))]
+    return [p.name for p in named]
 
 
 def _start(lower, upper):

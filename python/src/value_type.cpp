@@ -35,6 +35,8 @@ nb::object numpy() { return nb::module_::import_("numpy"); }
 
 /// Returns x as an array of float64. Throws [slom.bad-value].
 nb::object arrayFrom(nb::handle x, const std::string& subject) {
+  if (nb::hasattr(x, "mask") && nb::cast<bool>(numpy().attr("ma").attr("is_masked")(x)))
+    raiseValue(subject, "has masked entries", "select the rows without them");
   nb::object array;
   try {
     array = numpy().attr("asarray")(x);

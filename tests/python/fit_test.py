@@ -265,6 +265,8 @@ class Fits(unittest.TestCase):
                 est.variable(value)
         with self.assertRaisesRegex(slom.Error, "different lengths"):
             est.variable([[1], [2, 3]])
+        with self.assertRaisesRegex(slom.Error, "masked entries"):
+            est.measure(lambda x, z: x - z, x, np.ma.masked_equal([1.0, -9.0], -9.0))
         with self.assertRaisesRegex(slom.Error, "in place of a variable"):
             est.covariance(3.0)
         with self.assertRaisesRegex(slom.Error, "one of"):
@@ -404,6 +406,7 @@ class CurveFit(unittest.TestCase):
     def test_has_names_and_intervals(self):
         fit = slom.curve_fit(self.f, self.x, self.y, bounds=([0, 0, -1], [10, 10, 10]))
         self.assertEqual(fit.names, ["a", "b", "c"])
+        self.assertEqual(slom.curve_fit(lambda x, a, b=2.0: a * x + b, self.x, self.y).names, ["a", "b"])
         self.assertLess(fit.profile("b").lower, fit["b"].value)
         self.assertEqual(len(fit.intervals().rows), 3)
 
