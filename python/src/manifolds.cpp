@@ -15,19 +15,19 @@ namespace slom::python {
 
 using tape::Number;
 
-namespace {
-
 nb::object numpy() { return nb::module_::import_("numpy"); }
+
+std::vector<std::size_t> shapeOf(nb::handle x) {
+  return nb::cast<std::vector<std::size_t>>(nb::tuple(numpy().attr("shape")(x)));
+}
+
+namespace {
 
 [[noreturn]] void raiseShape(const std::string& what, const std::string& expected, std::size_t got) {
   throw mtk::Error("slom.wrong-shape",
                    what + " needs " + expected + ", it was given an array of " + std::to_string(got) +
                        "; pass an array of that length",
                    what);
-}
-
-std::vector<std::size_t> shapeOf(nb::handle x) {
-  return nb::cast<std::vector<std::size_t>>(nb::tuple(numpy().attr("shape")(x)));
 }
 
 }  // namespace

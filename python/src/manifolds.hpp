@@ -20,6 +20,11 @@ using SE2 = mtk::trafo<mtk::SO2<S>>;
 template <class S>
 using SE3 = mtk::trafo<mtk::SO3<S>>;
 
+/// Returns the module numpy.
+nb::object numpy();
+/// Returns numpy.shape(x).
+std::vector<std::size_t> shapeOf(nb::handle x);
+
 /// Returns whether x is a recorded number, or has one in it.
 bool isRecorded(nb::handle x);
 

@@ -92,7 +92,7 @@ Argument argumentOf(nb::handle value, const std::string& subject) {
   const bool is_rows = nb::isinstance<Rows>(value) || nb::isinstance<nb::list>(value) ||
                        nb::isinstance<nb::tuple>(value) ||
                        (!nb::hasattr(value.type(), "__slom_fields__") && nb::hasattr(value, "__len__") &&
-                        nb::cast<int>(nb::module_::import_("numpy").attr("ndim")(value)) > 0);
+                        nb::cast<int>(numpy().attr("ndim")(value)) > 0);
   if (is_rows) {
     Rows rows = rowsOf(value, subject);
     argument.type = rows.type;
@@ -105,7 +105,7 @@ Argument argumentOf(nb::handle value, const std::string& subject) {
   return argument;
 }
 
-/// What a call of measure is about.
+/// The function, arguments and number of rows of a call of measure.
 struct Call {
   nb::object function;
   std::vector<Argument> arguments;  ///< with the datum last, if there is one
@@ -271,23 +271,23 @@ Recorded record(const Call& call) {
   return result;
 }
 
-/// Fills in the variables and the data of a row.
-void fill(const Call& call, const Recorded& recorded, std::size_t row, TracedMeasurement& measurement,
-          std::vector<AnyVarID>* ids) {
-  measurement.variables.clear();
-  measurement.data.clear();
-  if (ids != nullptr) ids->clear();
+/// Sets `data` to the numbers of a row, with those that the function brought along.
+void setData(const Call& call, const Recorded& recorded, std::size_t row, std::vector<double>& data) {
+  data.clear();
   for (const Argument& argument : call.arguments) {
-    if (!argument.is_variable) {
-      const double* const datum = argument.datum(row);
-      measurement.data.insert(measurement.data.end(), datum, datum + argument.type->coordinates());
-    } else if (ids != nullptr) {
-      ids->push_back(argument.variable(row));
-    } else {
-      measurement.variables.emplace_back(argument.variable(row));
-    }
+    if (argument.is_variable) continue;
+    const double* const datum = argument.datum(row);
+    data.insert(data.end(), datum, datum + argument.type->coordinates());
   }
-  measurement.data.insert(measurement.data.end(), recorded.captured.begin(), recorded.captured.end());
+  data.insert(data.end(), recorded.captured.begin(), recorded.captured.end());
+}
+
+/// Writes the residual at these values of the variables, and unless J is null the Jacobian, from the tape.
+void evaluate(const Recorded& recorded, const std::vector<std::vector<double>>& values,
+              const std::vector<double>& data, double* r, double* J) {
+  std::vector<const double*> pointers;
+  for (const std::vector<double>& value : values) pointers.push_back(value.data());
+  recorded.kind->tape.evaluate(1, {pointers.data(), data.data()}, r, J);
 }
 
 /// Pseudo-random numbers in [-1, 1], always the same ones.
@@ -329,8 +329,8 @@ nb::list argumentsOf(const Call& call, std::size_t row, const std::vector<std::v
 /// Keeps NumPy from warning of logarithms of negative numbers and the like.
 class QuietNumpy {
  public:
-  QuietNumpy() : before_(nb::module_::import_("numpy").attr("seterr")("all"_a = "ignore")) {}
-  ~QuietNumpy() { nb::module_::import_("numpy").attr("seterr")(**nb::cast<nb::dict>(before_)); }
+  QuietNumpy() : before_(numpy().attr("seterr")("all"_a = "ignore")) {}
+  ~QuietNumpy() { numpy().attr("seterr")(**nb::cast<nb::dict>(before_)); }
   QuietNumpy(const QuietNumpy&) = delete;
   QuietNumpy& operator=(const QuietNumpy&) = delete;
 
@@ -338,20 +338,28 @@ class QuietNumpy {
   nb::object before_;
 };
 
+/// Returns the residual of a row at these values of its variables, by calling the function as it is.
+std::vector<double> plainResidual(const Call& call, std::size_t row,
+                                  const std::vector<std::vector<double>>& values) {
+  std::vector<double> residual;
+  appendDoubles(residualOf(call, argumentsOf(call, row, values)), residual);
+  return residual;
+}
+
 std::string textOf(double x) { return nb::cast<std::string>(nb::str(nb::float_(x))); }
 
 /// Returns how the recorded formula differs from the function; empty if it does not. Compares some rows, at the present
 /// values of the variables and at others.
 std::string differenceFrom(const Call& call, const Recorded& recorded) {
   const tape::Tape& tape = recorded.kind->tape;
-  TracedMeasurement measurement;
+  std::vector<double> data;
   const QuietNumpy quiet;
   for (const std::size_t row : std::set<std::size_t>{0, call.rows / 2, call.rows - 1}) {
     for (const bool is_moved : {false, true}) {
       const std::vector<std::vector<double>> values = valuesOf(call, row, is_moved);
       std::vector<double> plain;
       try {
-        appendDoubles(residualOf(call, argumentsOf(call, row, values)), plain);
+        plain = plainResidual(call, row, values);
       } catch (nb::python_error&) {
         continue;  // such as the logarithm of a negative number
       }
@@ -363,14 +371,12 @@ std::string differenceFrom(const Call& call, const Recorded& recorded) {
                 " for row 0; return the same number for each row, or measure the rows in several calls",
             "measure");
       }
-      fill(call, recorded, row, measurement, nullptr);
-      std::vector<const double*> pointers;
-      for (const std::vector<double>& value : values) pointers.push_back(value.data());
       std::vector<double> r(plain.size());
-      tape.evaluate(1, {pointers.data(), measurement.data.data()}, r.data(), nullptr);
+      setData(call, recorded, row, data);
+      evaluate(recorded, values, data, r.data(), nullptr);
       double scale = 1e-3;
       for (const double x : plain) scale = std::max(scale, std::isfinite(x) ? std::abs(x) : 0);
-      for (const double x : measurement.data) scale = std::max(scale, std::abs(x));
+      for (const double x : data) scale = std::max(scale, std::abs(x));
       for (std::size_t i = 0; i < r.size(); ++i) {
         const bool is_equal = std::isfinite(r[i]) && std::isfinite(plain[i])
                                   ? std::abs(r[i] - plain[i]) <= 1e-8 * scale
@@ -415,9 +421,7 @@ std::optional<Recorded> recordedOrNot(const Call& call, const std::string& label
     refusal = "cannot be recorded: " + std::string(error.sentence());
   } catch (nb::python_error& error) {
     if (trace == true) throw;
-    std::vector<double> plain;
-    appendDoubles(residualOf(call, argumentsOf(call, 0, valuesOf(call, 0, false))),
-                  plain);  // the user's own mistakes
+    plainResidual(call, 0, valuesOf(call, 0, false));  // raises the user's own mistakes
     const nb::object sentence = nb::getattr(error.value(), "sentence", nb::str(error.value()));
     refusal = "cannot be recorded: " + nb::cast<std::string>(sentence);
   }
@@ -441,8 +445,7 @@ Noise noiseOf(nb::handle sigma, nb::handle covariance, nb::handle information, s
                     : covariance.is_none() ? NoiseForm::inv_covariance
                                            : NoiseForm::covariance;
   noise.numbers = entriesOf<double>(given, -1, name);
-  const auto shape =
-      nb::cast<std::vector<std::size_t>>(nb::tuple(nb::module_::import_("numpy").attr("shape")(given)));
+  const std::vector<std::size_t> shape = shapeOf(given);
   const auto set = [&](NoiseView::Shape kind, std::size_t n, bool by_row) {
     noise.view.shape = kind;
     noise.view.rows = static_cast<int>(n);
@@ -466,10 +469,10 @@ Noise noiseOf(nb::handle sigma, nb::handle covariance, nb::handle information, s
                                          ", 1), or both (" + n + ", " + m + ")"
                                    : "a number, one for each component (" + m + ",), a matrix (" + m + ", " +
                                          m + "), or one for each row (" + n + ", " + m + ", " + m + ")";
-  const nb::object numpy_shape = nb::module_::import_("numpy").attr("shape")(given);
   throw mtk::Error("slom.wrong-shape",
-                   name + " has the shape " + nb::cast<std::string>(nb::str(numpy_shape)) + " for " + n +
-                       " rows with residuals of length " + m + "; pass " + accepted,
+                   name + " has the shape " +
+                       nb::cast<std::string>(nb::str(nb::object(numpy().attr("shape")(given)))) + " for " +
+                       n + " rows with residuals of length " + m + "; pass " + accepted,
                    name);
 }
 
@@ -536,9 +539,7 @@ Measurements measure(const Shared& est, const nb::callable& f, const nb::args& p
   if (recorded) {
     length = static_cast<std::size_t>(recorded->kind->tape.rows());
   } else {
-    std::vector<double> first;
-    appendDoubles(residualOf(call, argumentsOf(call, 0, valuesOf(call, 0, false))), first);
-    length = first.size();
+    length = plainResidual(call, 0, valuesOf(call, 0, false)).size();
     const auto shared = std::make_shared<PlainFunction::Shared>();
     shared->call = {call.function, call.arguments, call.predicts, 0};
     for (Argument& argument : shared->call.arguments) {
@@ -555,7 +556,13 @@ Measurements measure(const Shared& est, const nb::callable& f, const nb::args& p
   result.ids.reserve(call.rows);
   try {
     for (std::size_t row = 0; row < call.rows; ++row) {
-      fill(call, recorded ? *recorded : none, row, measurement, plain ? &ids : nullptr);
+      measurement.variables.clear();
+      ids.clear();
+      for (const Argument& argument : call.arguments) {
+        if (argument.is_variable && plain) ids.push_back(argument.variable(row));
+        if (argument.is_variable && recorded) measurement.variables.emplace_back(argument.variable(row));
+      }
+      setData(call, recorded ? *recorded : none, row, measurement.data);
       const Insertion insertion{&measurement, plain ? &*plain : nullptr, &ids, noise.of(row), loss};
       result.ids.push_back(est->insertMeasurement(insertion, named(label)));
     }
@@ -641,20 +648,12 @@ Derived derivedFrom(nb::handle f, const std::vector<Variable>& variables) {
   call.arguments.push_back(std::move(datum));
   call.predicts = true;
 
-  Estimator scratch;
-  std::vector<AnyVarID> ids;
-  for (std::size_t k = 0; k < variables.size(); ++k)
-    ids.push_back(scratch.insertRV(RuntimeValue{variables[k].type->runtime(), values[k]}));
-  for (std::size_t k = 0; k < variables.size(); ++k) call.arguments[k].variables = {ids[k]};
   const Recorded recorded = record(call);
-  TracedMeasurement measurement;
-  fill(call, recorded, 0, measurement, nullptr);
-  std::vector<const double*> pointers;
-  for (const std::vector<double>& x : values) pointers.push_back(x.data());
+  std::vector<double> data;
+  setData(call, recorded, 0, data);
   Eigen::VectorXd r(recorded.kind->tape.rows());
   result.jacobian.resize(r.size(), columns);
-  recorded.kind->tape.evaluate(1, {pointers.data(), measurement.data.data()}, r.data(),
-                               result.jacobian.data());
+  evaluate(recorded, values, data, r.data(), result.jacobian.data());
   return result;
 }
 

@@ -262,12 +262,7 @@ NB_MODULE(_slom, module) {
       .def(
           "covariance",
           [](const Estimator& est, const nb::args& variables) {
-            std::vector<AnyVarID> ids;
-            for (const nb::handle one : variables) {
-              const std::vector<AnyVarID> own = handlesOf(one);
-              ids.insert(ids.end(), own.begin(), own.end());
-            }
-            return Eigen::MatrixXd(est.jointCovariance(ids));
+            return Eigen::MatrixXd(est.jointCovariance(handlesOf(variables)));
           },
           "variables"_a,
           "Returns the joint covariance of variables in the given order, in their tangent spaces.")
@@ -331,9 +326,8 @@ NB_MODULE(_slom, module) {
             est.changeAlgorithm(found->make().release());
           },
           "name"_a, nb::kw_only(), "initial_damping"_a = nb::none(), "memory"_a = nb::none(),
-          "Sets the algorithm by its name: the names are those of the command's option --algorithm. \"lm\" has two "
-          "options: the first damping (1e-4), and the memory of the scales from 0 to 1 (1). Bundle adjustments are faster "
-          "with memory=0.1.")
+          "Chooses the algorithm by its name, as the command's option --algorithm does. \"lm\" takes two options: the first "
+          "damping (1e-4), and the memory of the scales, from 0 to 1 (1). memory=0.1 is faster for bundle adjustments.")
       .def(
           "save", &save, "file"_a,
           "Writes variables and measurements to a file for slom.load and the command slom replay. Functions that could not "

@@ -1,4 +1,4 @@
-// What fits and analyses report.
+// Python classes for the reports of fits and analyses.
 #pragma once
 
 #include <memory>

@@ -31,8 +31,6 @@ std::string textOf(const std::vector<std::size_t>& shape) {
   return text + (shape.size() == 1 ? ",)" : ")");
 }
 
-nb::object numpy() { return nb::module_::import_("numpy"); }
-
 /// Returns x as an array of float64. Throws [slom.bad-value].
 nb::object arrayFrom(nb::handle x, const std::string& subject) {
   if (nb::hasattr(x, "mask") && nb::cast<bool>(numpy().attr("ma").attr("is_masked")(x)))
@@ -54,10 +52,6 @@ nb::object arrayFrom(nb::handle x, const std::string& subject) {
                "decorated with slom.manifold");
   }
   return numpy().attr("ascontiguousarray")(array, "float64").attr("reshape")(array.attr("shape"));
-}
-
-std::vector<std::size_t> shapeOf(nb::handle array) {
-  return nb::cast<std::vector<std::size_t>>(nb::tuple(array.attr("shape")));
 }
 
 void appendArray(nb::handle array, std::vector<double>& numbers) {
