@@ -268,6 +268,10 @@ template <class S>
 nb::object makeSO3(const nb::args& args) {
   if (args.size() == 0) return nb::cast(mtk::SO3<S>());
   if (args.size() == 1 && isA<mtk::SO3>(args[0])) return nb::borrow(nb::object(args[0]));
+  if (args.size() == 1 && nb::hasattr(args[0], "as_quat")) {  // scipy.spatial.transform.Rotation
+    const std::vector<S> q = entriesOf<S>(nb::object(args[0].attr("as_quat")()), 4, "SO3(rotation)");
+    return nb::cast(mtk::SO3<S>(q[3], q[0], q[1], q[2]));
+  }
   if (args.size() == 4) {
     const std::vector<S> q = entriesOf<S>(args, 4, "SO3(w, x, y, z)");
     return nb::cast(mtk::SO3<S>(q[0], q[1], q[2], q[3]));
@@ -388,7 +392,8 @@ void bindAll(nb::module_& module) {
           "log", [](const mtk::SO2<S>& R) { return R.angle(); }, "Returns the angle [rad].");
   auto so3 = bindGroup<mtk::SO3, SE3, S>(
       module, "SO3",
-      "SO3(w, x, y, z): a rotation in space of a quaternion, which is normalised. SO3(matrix). SO3(): no rotation.");
+      "SO3(w, x, y, z): a rotation in space of a quaternion, which is normalised. SO3(matrix), SO3(rotation) of SciPy. "
+      "SO3(): no rotation.");
   so3.def(
          "log", [](const mtk::SO3<S>& R) { return vectorToPython(mtk::SO3<S>::log(R)); },
          "Returns the rotation vector, axis times angle [rad].")

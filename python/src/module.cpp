@@ -261,6 +261,24 @@ NB_MODULE(_slom, module) {
   bindMeasure(module, estimator);
   bindReports(module, estimator);
   estimator.def(nb::init<>())
+      .def("__repr__",
+           [](const Estimator& est) {
+             std::size_t measurements = 0;
+             for (const auto& pool : est.table().pools())
+               measurements += static_cast<std::size_t>(pool->size());
+             return "<Estimator of " + std::to_string(est.table().variableCount()) + " variables and " +
+                    std::to_string(measurements) + " measurements>";
+           })
+      .def("__deepcopy__",
+           alone(+[](const Estimator& est, nb::handle) { return std::make_shared<Estimator>(est.clone()); }))
+      .def("__reduce_ex__",
+           [](const Estimator&, int) -> nb::object {
+             throw mtk::Error(
+                 "slom.not-picklable",
+                 "an estimator cannot be pickled; write it by est.save(file) and read it by slom.load(file), "
+                 "or copy it by est.clone()",
+                 "estimator");
+           })
       .def(
           "variable", alone(&variable), "value"_a.none(), "name"_a = "", "optimize"_a = true,
           "Adds a variable with its start value: a number, an array, SO2, SO3, S2, SE2, SE3, or an instance of a class "

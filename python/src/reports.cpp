@@ -94,7 +94,11 @@ void bindFit(nb::module_& module) {
       .def_ro("value", &ParameterSummary::value)
       .def_ro("text", &ParameterSummary::text, "For a direction its unit vector, in place of a value.")
       .def_ro("std", &ParameterSummary::standard_deviation)
-      .def_ro("clustered", &ParameterSummary::clustered);
+      .def_ro("clustered", &ParameterSummary::clustered)
+      .def("__repr__", [](const ParameterSummary& p) {
+        return p.name + " = " + (p.text.empty() ? textOf(p.value) : p.text) + " ± " +
+               textOf(p.standard_deviation);
+      });
   nb::class_<GroupSummary>(module, "Kind", "The measurements of one label in a fit.")
       .def_ro("name", &GroupSummary::name)
       .def_ro("measurements", &GroupSummary::measurements)
@@ -102,12 +106,19 @@ void bindFit(nb::module_& module) {
       .def_ro("initial_rss", &GroupSummary::initial_rss)
       .def_ro("final_rss", &GroupSummary::final_rss)
       .def_ro("redundancy", &GroupSummary::redundancy)
-      .def_ro("derivatives", &GroupSummary::derivatives);
+      .def_ro("derivatives", &GroupSummary::derivatives)
+      .def("__repr__", [](const GroupSummary& group) {
+        return "<" + group.name + ": " + textOf(group.measurements) + " measurements, RSS " +
+               textOf(group.final_rss) + ">";
+      });
   nb::class_<CorrelationSummary>(module, "Correlation",
                                  "Two components whose errors are strongly correlated.")
       .def_ro("a", &CorrelationSummary::a)
       .def_ro("b", &CorrelationSummary::b)
-      .def_ro("correlation", &CorrelationSummary::correlation);
+      .def_ro("correlation", &CorrelationSummary::correlation)
+      .def("__repr__", [](const CorrelationSummary& c) {
+        return "<" + c.a + ", " + c.b + ": " + textOf(c.correlation) + ">";
+      });
   nb::class_<IterationRecord>(module, "Iteration", "One line of progress.")
       .def_ro("iteration", &IterationRecord::iteration)
       .def_ro("algorithm", &IterationRecord::algorithm)
@@ -115,7 +126,10 @@ void bindFit(nb::module_& module) {
       .def_ro("relative_decrease", &IterationRecord::relative_decrease)
       .def_ro("step", &IterationRecord::step)
       .def_ro("damping", &IterationRecord::damping)
-      .def_ro("seconds", &IterationRecord::seconds);
+      .def_ro("seconds", &IterationRecord::seconds)
+      .def("__repr__", [](const IterationRecord& record) {
+        return "<iteration " + textOf(record.iteration) + ": RSS " + textOf(record.rss) + ">";
+      });
 
   const auto of = [](auto member) { return [member](const Fit& fit) { return fit.summary.*member; }; };
   nb::class_<Fit>(module, "Fit", "What a fit did, and why it stopped.")
@@ -228,7 +242,11 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
       .def_ro("std", &ParameterInterval::standard_deviation)
       .def_ro("lower", &ParameterInterval::lower)
       .def_ro("upper", &ParameterInterval::upper)
-      .def_ro("is_profile", &ParameterInterval::is_profile);
+      .def_ro("is_profile", &ParameterInterval::is_profile)
+      .def("__repr__", [](const ParameterInterval& p) {
+        return "<" + p.name + " = " + textOf(p.value) + " in [" + textOf(p.lower) + ", " + textOf(p.upper) +
+               "]>";
+      });
   bindReport<IntervalTable>(module, "IntervalTable", "Intervals of all components.")
       .def_ro("probability", &IntervalTable::probability)
       .def_ro("rows", &IntervalTable::rows)
@@ -272,7 +290,10 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
       .def_ro("redundancy", &VarianceComponent::redundancy)
       .def_ro("is_estimated", &VarianceComponent::is_estimated)
       .def_ro("reason", &VarianceComponent::reason)
-      .def("interval", &VarianceComponent::interval, "probability"_a = 0.95);
+      .def("interval", &VarianceComponent::interval, "probability"_a = 0.95)
+      .def("__repr__", [](const VarianceComponent& c) {
+        return "<" + c.name + ": factor " + textOf(c.factor) + " ± " + textOf(c.standard_deviation) + ">";
+      });
   bindReport<VarianceComponents>(module, "VarianceComponents", "Error sizes of the kinds of measurements.")
       .def_ro("converged", &VarianceComponents::converged)
       .def_ro("components", &VarianceComponents::components)
