@@ -59,6 +59,21 @@ void addProduct(int rows, int k, int l, const double* A, const double* B, double
   }
 }
 
+void gram(int rows, int columns, int stride, const double* S, double* P) {
+  for (int i = 0; i < columns; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const double *const a = S + i * stride, *const b = S + j * stride;
+      Vector even = all(0), odd = all(0);
+      for (int r = 0; r < rows; r += kGramRows) {
+        even = plusProduct(even, load(a + r), load(b + r));
+        odd = plusProduct(odd, load(a + r + kLanes), load(b + r + kLanes));
+      }
+      const Vector sum = even + odd;
+      P[i * columns + j] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    }
+  }
+}
+
 /// A^T B for the columns of B, each R long, added to those of H, each K long: to the same bits as by `accumulate`.
 template <int R, int K>
 SLOM_INLINE inline void addColumnsOfProduct(const ColumnOf<K> (&A)[R], int columns, const double* B, double* H,
