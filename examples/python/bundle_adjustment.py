@@ -8,6 +8,7 @@ data/simulated_bundle, whose pixels have errors of 0.5 px. The command `slom bun
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +26,11 @@ class Camera:
     k: np.ndarray  # radial distortion (2,)
 
 
-def pixel(camera: Camera, point: Vector) -> Vector:
+def pixel(camera: Camera, point: Vector) -> Any:
     """Returns the pixel (2,) at which a camera sees a point (3,)."""
     x, y, z = camera.pose * point
     u = slom.array([-x / z, -y / z])
-    r2 = u @ u
+    r2 = np.sum(u * u)
     return camera.f * (1 + camera.k[0] * r2 + camera.k[1] * r2 * r2) * u
 
 

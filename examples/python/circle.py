@@ -3,6 +3,8 @@
 Unit: metre. The C++ program is examples/circle_fit.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +14,7 @@ Vector = NDArray[np.float64]
 POINTS = np.array([[3.9, 1.0], [3.1, 3.2], [1.0, 4.1], [-1.1, 3.0], [-2.0, 1.1], [-1.2, -1.1], [0.9, -2.0]])
 
 
-def distance(centre: Vector, radius: float, point: Vector) -> float:
+def distance(centre: Vector, radius: float, point: Vector) -> Any:
     """Returns the distance of a point from the circle."""
     return np.linalg.norm(point - centre) - radius
 

@@ -6,45 +6,43 @@ answers are wrong at any strength (lapse rate):
     P(x) = 0.5 + (0.5 - lapse) / (1 + exp(-(x - threshold) / spread))
 
 The data are k correct answers of n trials at each strength x, with a binomial distribution. The residual is the signed root
-of the deviance. Its sum of squares is twice the difference of the log-likelihoods of the data's own frequencies and of P. So
-least squares is maximum likelihood, and the profile intervals are likelihood-ratio intervals. Standard deviations, and the
-chi-square of the fit, are approximations for many trials.
+of the deviance: of twice the difference of the log-likelihoods of the frequency k / n and of P. So least squares is maximum
+likelihood, and the profile intervals are likelihood-ratio intervals. Standard deviations, and the chi-square of the fit, are
+approximations for many trials.
 """
 
+from typing import Any
+
 import numpy as np
-from numpy.typing import NDArray
 
 import slom
 
-Vector = NDArray[np.float64]
 GUESS = 0.5
 TRUE = {"threshold": 2.0, "spread": 0.4, "lapse": 0.03}
 
 
-def probability(x: float, threshold: float, spread: float, lapse: float) -> float:
+def probability(x: Any, threshold: Any, spread: Any, lapse: Any) -> Any:
     return GUESS + (1 - GUESS - lapse) / (1 + np.exp(-(x - threshold) / spread))
 
 
-def entropy(k: Vector, n: int) -> Vector:
-    """Returns k log(k/n) + (n - k) log(1 - k/n), with 0 log 0 = 0."""
-    return sum(m * np.log(np.maximum(m, 1) / n) for m in (k, n - k))
+def log_likelihood(k: Any, n: Any, p: Any) -> Any:
+    return k * np.log(p) + (n - k) * np.log(1 - p)
 
 
-def deviance_residual(threshold: float, spread: float, lapse: float, x: float, k: float, n: float, most: float) -> float:
-    """Returns sign(k/n - P) sqrt(deviance); `most` is the logarithm of the likelihood of P = k/n."""
+def deviance(threshold: Any, spread: Any, lapse: Any, x: Any, k: Any, n: Any, largest: Any) -> Any:
+    """Returns the signed root of the deviance; `largest` is the log-likelihood of the frequency k / n."""
     p = probability(x, threshold, spread, lapse)
-    deviance = 2 * (most - k * np.log(p) - (n - k) * np.log(1 - p))
-    difference = k / n - p
-    near = difference / np.sqrt(p * (1 - p) / n)  # to first order the same, and smooth at p = k/n
-    return slom.where(abs(near) < 1e-3, near, np.sign(difference) * np.sqrt(deviance))
+    near = (k / n - p) / np.sqrt(p * (1 - p) / n)  # the same to first order, and smooth at p = k / n
+    root = np.sqrt(2 * (largest - log_likelihood(k, n, p)))
+    return slom.where(abs(near) < 1e-3, near, np.sign(k / n - p) * root)
 
 
 rng = np.random.default_rng(1)
-TRIALS = 60
 strength = np.linspace(0.5, 4.5, 9)
-correct = rng.binomial(TRIALS, probability(strength, **TRUE)).astype(float)
+trials = np.full(9, 60.0)
+correct = rng.binomial(60, probability(strength, **TRUE)).astype(float)
 print("strength", *strength)
-print("correct ", *correct.astype(int), "of", TRIALS)
+print("correct ", *correct.astype(int), "of 60")
 
 est = slom.Estimator()
 threshold = est.variable(1.5, "threshold")
@@ -52,8 +50,9 @@ spread = est.variable(1.0, "spread")
 lapse = est.variable(0.01, "lapse")
 spread.bound(0.01, np.inf)
 lapse.bound(0, 0.1)
-trials, best = np.full(len(strength), float(TRIALS)), entropy(correct, TRIALS)
-est.measure(deviance_residual, threshold, spread, lapse, strength, correct, trials, best, sigma=1.0, name="deviance")
+frequency = np.clip(correct / trials, 1e-12, 1 - 1e-12)  # 0 log 0 = 0
+largest = log_likelihood(correct, trials, frequency)
+est.measure(deviance, threshold, spread, lapse, strength, correct, trials, largest, sigma=1.0)
 fit = est.optimize()
 print(f"converged: {fit.converged}, deviance {fit.final_rss:.2f} for {fit.redundancy} degrees of freedom\n")
 print(est.intervals())

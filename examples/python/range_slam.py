@@ -9,6 +9,7 @@ The C++ program examples/range_slam fits the same data as they come.
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +19,11 @@ import slom
 Vector = NDArray[np.float64]
 
 
-def distance(robot: slom.SE2, beacon: Vector, scale: float) -> float:
+def distance(robot: slom.SE2, beacon: Vector, scale: float) -> Any:
     return scale * np.linalg.norm(beacon - robot.pos)
 
 
-def locate(places: Vector, ranges: Vector) -> Vector:
+def locate(places: Vector, ranges: Vector) -> Any:
     """Returns the point with these ranges to places (n, 2): differences of |x - p|^2 = r^2 are linear in x."""
     A = np.column_stack([2 * places, np.ones(len(places))])
     return np.linalg.lstsq(A, np.sum(places**2, axis=1) - ranges**2, rcond=None)[0][:2]

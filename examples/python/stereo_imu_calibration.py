@@ -6,6 +6,7 @@ data/simulated_stereo_imu/README.md. The C++ program is examples/stereo_imu_cali
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +41,7 @@ def stereo(camera: StereoCamera, left2world: slom.SE3, corner: Vector) -> Vector
     return np.stack([project(camera.left, in_left), project(camera.right, camera.left2right * in_left)])
 
 
-def level(bias: Vector, left2world: slom.SE3, left2imu: slom.SO3, gravity: float, reading: Vector) -> Vector:
+def level(bias: Vector, left2world: slom.SE3, left2imu: slom.SO3, gravity: float, reading: Vector) -> Any:
     """Returns the error (3,) of a reading: at rest, the acceleration points up in the world."""
     return left2world.orient * (left2imu.inverse() * (reading - bias)) - np.array([0, 0, gravity])
 

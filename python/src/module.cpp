@@ -19,6 +19,7 @@
 #include <slom/optimize/named.hpp>
 #include <slom/slom.hpp>
 
+#include "documentation.hpp"
 #include "manifolds.hpp"
 #include "measure.hpp"
 #include "recorded.hpp"
@@ -199,18 +200,12 @@ NB_MODULE(_slom, module) {
   bindRows(module);
   bindVariables(module);
 
-  nb::class_<Estimator> estimator(
-      module, "Estimator", "Variables, measurements, and the fit of the variables to the measurements.",
-      nb::dynamic_attr());
+  nb::class_<Estimator> estimator(module, "Estimator", doc::kEstimator, nb::dynamic_attr());
   bindMeasure(module, estimator);
   bindReports(module, estimator);
   estimator.def(nb::init<>())
-      .def(
-          "variable", &variable, "value"_a.none(), "name"_a = "", "optimize"_a = true,
-          "Adds a variable with its start value: a number, an array, SO2, SO3, S2, SE2, SE3, or an instance of a class "
-          "decorated with slom.manifold. With optimize=False it keeps that value.")
-      .def("variables", &variables, "values"_a.none(), "name"_a = "", "optimize"_a = true,
-           "Adds a variable for each row of an array, entry of a list, or row of slom.Rows.")
+      .def("variable", &variable, "value"_a.none(), "name"_a = "", "optimize"_a = true, doc::kVariable)
+      .def("variables", &variables, "values"_a.none(), "name"_a = "", "optimize"_a = true, doc::kVariables)
       .def(
           "optimize", &optimize, nb::kw_only(), "max_iterations"_a = nb::none(), "max_seconds"_a = nb::none(),
           "gradient_tolerance"_a = nb::none(), "decrease_tolerance"_a = nb::none(),
@@ -227,9 +222,7 @@ NB_MODULE(_slom, module) {
                 prior(self, x, value, sigma, covariance, information, path, loss, name));
           },
           "variable"_a, "value"_a, "sigma"_a = nb::none(), nb::kw_only(), "covariance"_a = nb::none(),
-          "information"_a = nb::none(), "path"_a = "", "loss"_a = nb::none(), "name"_a = "prior",
-          "Adds prior knowledge of a variable, or of its component at a path such as \"pos.z\": a measurement of its value "
-          "with a standard deviation, a covariance or an information matrix. Returns the measurement.")
+          "information"_a = nb::none(), "path"_a = "", "loss"_a = nb::none(), "name"_a = "prior", doc::kPrior)
       .def(
           "update",
           [](Estimator& est, double tolerance, int max_steps, double budget, bool reconsider) {
@@ -264,8 +257,7 @@ NB_MODULE(_slom, module) {
           [](const Estimator& est, const nb::args& variables) {
             return Eigen::MatrixXd(est.jointCovariance(handlesOf(variables)));
           },
-          "variables"_a,
-          "Returns the joint covariance of variables in the given order, in their tangent spaces.")
+          "variables"_a, doc::kCovariance)
       .def(
           "correlation",
           [](const Estimator& est, const Variable& a, const Variable& b) {
@@ -273,7 +265,7 @@ NB_MODULE(_slom, module) {
           },
           "a"_a, "b"_a, "Returns the correlations of the components of two variables.")
       .def("propagate", &propagate, "function"_a, "variables"_a, nb::kw_only(), "covariance"_a = nb::none(),
-           "Returns f(variables) with its covariance to first order.")
+           doc::kPropagate)
       .def(
           "clone", [](const Estimator& est) { return std::make_shared<Estimator>(est.clone()); },
           "Returns a copy, which is fitted independently.")
@@ -335,11 +327,9 @@ NB_MODULE(_slom, module) {
       .def("set_threads", &Estimator::setThreads, "threads"_a,
            "Sets the largest number of threads; 0: all of the machine.");
 
-  module.def(
-      "load", &load, "file"_a,
-      "Reads a problem that Estimator.save or slom::Archive wrote. Returns the estimator and its variables by name.");
+  module.def("load", &load, "file"_a, doc::kLoad);
 
-  nb::class_<slom::FixedLag>(module, "FixedLag", "A window over the newest variables of an estimator.")
+  nb::class_<slom::FixedLag>(module, "FixedLag", doc::kFixedLag)
       .def(
           "__init__",
           [](slom::FixedLag* self, std::optional<int> variables, double duration, bool first_estimates) {

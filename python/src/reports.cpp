@@ -16,6 +16,8 @@
 
 #include <slom/slom.hpp>
 
+#include "documentation.hpp"
+
 namespace slom::python {
 
 using namespace nb::literals;
@@ -281,11 +283,10 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
           [](Estimator& est, const Variable& x, const std::string& path, double probability) {
             return path.empty() ? profile(est, x.id, probability) : profile(est, x.id, path, probability);
           },
-          "variable"_a, "path"_a = "", "probability"_a = 0.95,
-          "Returns the profile likelihood interval of a number or component.")
+          "variable"_a, "path"_a = "", "probability"_a = 0.95, doc::kProfile)
       .def(
           "intervals", [](Estimator& est, double probability) { return intervals(est, probability); },
-          "probability"_a = 0.95, "Returns the intervals of all components.")
+          "probability"_a = 0.95, doc::kIntervals)
       .def(
           "diagnose", [](const Estimator& est) { return diagnose(est); },
           "Returns what the measurements determine.")
@@ -297,7 +298,7 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
           [](const Estimator& est, double significance, int worst) {
             return outliers(est, {.significance = significance, .worst = worst});
           },
-          "significance"_a = 0.01, "worst"_a = 10, "Tests each measurement.")
+          "significance"_a = 0.01, "worst"_a = 10, doc::kOutliers)
       .def(
           "check_derivatives", [](const Estimator& est) { return checkDerivatives(est); },
           "Compares derivatives with differences.")
@@ -312,9 +313,7 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
             return clustered(est, options);
           },
           "by"_a = nb::none(), nb::kw_only(), "correction"_a = "by_leverage", "ordered"_a = false,
-          "refit"_a = false,
-          "Returns covariances for errors that measurements share within groups: the dimensions of `group`, or arrays "
-          "of variables.")
+          "refit"_a = false, doc::kClustered)
       .def(
           "variance_components",
           [](Estimator& est, const std::vector<std::string>& kinds, bool apply_them) {

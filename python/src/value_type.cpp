@@ -7,6 +7,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "documentation.hpp"
 #include "manifolds.hpp"
 #include "recorded.hpp"
 #include "slom/tape/rotation.hpp"
@@ -395,8 +396,7 @@ std::optional<std::size_t> singleIndexOf(nb::handle index, std::size_t size) {
 
 void bindRows(nb::module_& module) {
   using namespace nb::literals;
-  nb::class_<Rows>(module, "Rows",
-                   "Values of one type, such as SE3, one a row. Index arrays and masks select rows.")
+  nb::class_<Rows>(module, "Rows", doc::kRows)
       .def(
           "__init__",
           [](Rows* self, nb::handle values, nb::handle like) {

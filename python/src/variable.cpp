@@ -6,6 +6,7 @@
 
 #include <slom/slom.hpp>
 
+#include "documentation.hpp"
 #include "manifolds.hpp"
 
 namespace slom::python {
@@ -97,8 +98,7 @@ void bindVariables(nb::module_& module) {
           [](const Variable& x, const std::string& path) {
             path.empty() ? x.est->fix(x.id) : x.est->fix(x.id, path);
           },
-          "path"_a = "",
-          "Keeps the variable, or the components at a path such as \"pos.z\", at the current value.")
+          "path"_a = "", doc::kFix)
       .def(
           "free",
           [](const Variable& x, const std::string& path) {
@@ -110,8 +110,7 @@ void bindVariables(nb::module_& module) {
           [](const Variable& x, double lower, double upper, const std::string& path) {
             x.est->bound(x.id, path, lower, upper);
           },
-          "lower"_a, "upper"_a, "path"_a = "",
-          "Keeps the components at a path, or all of them, between two limits. Infinite limits remove the bound.")
+          "lower"_a, "upper"_a, "path"_a = "", doc::kBound)
       .def(
           "remove", [](const Variable& x) { x.est->removeRV(x.id); },
           "Removes the variable. No measurement may depend on it.")
