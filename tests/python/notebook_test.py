@@ -47,7 +47,7 @@ class Notebook(unittest.TestCase):
                 if "execute_result" in outputs:
                     data = outputs["execute_result"]["data"]
                     self.assertEqual(value._repr_html_(), "".join(data["text/html"]))
-                    self.assertEqual(str(value), "".join(data["text/plain"]))
+                    self.assertEqual(str(value).rstrip(), "".join(data["text/plain"]).rstrip())
         self.assertEqual(kinds & {"image/png", "text/html", "stream"}, {"image/png", "text/html", "stream"})
 
     def test_is_small(self):

@@ -55,6 +55,7 @@ class Types(unittest.TestCase):
                 if node.name.startswith("__"):
                     continue
                 text = re.sub(r"= \\=?\d+", "= 0", signatures[0][0])
+                text = re.sub(r"numpy\.ndarray\[[^]]*\]", "object", text)
                 self.assertEqual(arguments(node), arguments(ast.parse(text + ": ...").body[0]), text)
                 seen += 1
         self.assertGreater(seen, 50)
