@@ -4,7 +4,7 @@
 
 Pages keep their text. Of their relative links those to pages become links to pages of the site, those to other files of the repository
 links to a page that shows the file, and those to folders links to the README.md in them. FOLDER is replaced.
-`pages_of_site`, `links`, `slug` and `anchors` are also what tests/docs checks the Markdown with.
+`pages_of_site`, `text_of`, `links`, `slug` and `anchors` are also what tests/docs checks the Markdown with.
 """
 import os
 import pathlib
@@ -12,6 +12,8 @@ import re
 import shutil
 import sys
 import textwrap
+
+import notebook
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^ {0,3}(```+|~~~+)")
@@ -24,12 +26,19 @@ PICTURES = {".svg", ".png", ".jpg"}
 
 def pages_of_site():
     """{page of the repository: name of the page in the site}, both with .md and relative to ROOT or the site."""
-    pages = {"README.md": "overview.md", "CHANGELOG.md": "changes.md", "bench/README.md": "benchmark_programs.md"}
+    pages = {"README.md": "overview.md", "CHANGELOG.md": "changes.md", "bench/README.md": "benchmark_programs.md",
+             "examples/python/first_fits.ipynb": "first_fits.md"}
     for path in sorted((ROOT / "docs").rglob("*.md")):
         name = path.relative_to(ROOT / "docs").as_posix()
         if not name.startswith("site/"):
             pages[f"docs/{name}"] = re.sub(r"(^|/)README\.md$", r"\1index.md", name)
     return pages
+
+
+def text_of(page):
+    """The Markdown of a page of the repository."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    return notebook.markdown(text) if page.endswith(".ipynb") else text
 
 
 def lines_outside_code(text):
@@ -150,7 +159,7 @@ class Site:
             if words.strip("`").endswith(".md"):
                 words = title(ROOT / path)
             return f"[{words}]({relative}{'#' + anchor if anchor else ''})"
-        text = (ROOT / page).read_text(encoding="utf-8")
+        text = text_of(page)
         if os.path.basename(name) == "index.md":
             text += self.contents(page, name, text)
         return replaced_links(with_code_at_the_margin(text), link)

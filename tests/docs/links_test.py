@@ -29,7 +29,7 @@ class Links(unittest.TestCase):
         pages = stage.pages_of_site()
         self.assertGreater(len(pages), 30)
         for page in pages:
-            self.assertEqual(faults(page, (stage.ROOT / page).read_text(encoding="utf-8")), [])
+            self.assertEqual(faults(page, stage.text_of(page)), [])
 
     def test_broken_ones_are_noticed(self):
         text = "# A heading\n[a](fitting.md#outliers) [b](#a-heading) `[c](none.md)` [d](../bench/README.md) [e](https://x.org)\n"

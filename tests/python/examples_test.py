@@ -49,6 +49,17 @@ class Examples(unittest.TestCase):
         for expected in (FOLDER / "expected").iterdir():
             self.assertTrue((FOLDER / f"{expected.stem}.py").is_file(), expected)
 
+    def test_page_shows_them(self):
+        """docs/python_examples.md names each script, and its blocks of output are parts of expected files."""
+        page = (ROOT / "docs/python_examples.md").read_text()
+        expected = [file.read_text() for file in (FOLDER / "expected").iterdir()]
+        for script in FOLDER.glob("*.py"):
+            self.assertIn(f"(../examples/python/{script.name})", page)
+        blocks = re.findall(r"^```text\n(.*?)^```", page, re.M | re.S)
+        self.assertGreaterEqual(len(blocks), 6)
+        for block in blocks:
+            self.assertTrue(any(block in text for text in expected), block)
+
     def test_are_short(self):
         for script in FOLDER.glob("*.py"):
             self.assertLessEqual(len(script.read_text().splitlines()), 120, script.name)
