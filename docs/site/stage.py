@@ -6,6 +6,7 @@ Pages keep their text. Of their relative links those to pages become links to pa
 links to a page that shows the file, and those to folders links to the README.md in them. FOLDER is replaced.
 `pages_of_site`, `text_of`, `links`, `slug` and `anchors` are also what tests/docs checks the Markdown with.
 """
+import itertools
 import os
 import pathlib
 import re
@@ -58,8 +59,9 @@ def lines_outside_code(text):
 
 
 def replaced_links(text, replacement):
-    """The text with replacement(is picture, text, target) for each link outside of code, where that is not None."""
-    def in_line(line):
+    """The text with replacement(is picture, text, target) for each link outside of code, where that is not None. The text of a link
+    may go on in the next line."""
+    def in_paragraph(lines):
         codes = []
         def hide(match):
             codes.append(match.group(0))
@@ -69,8 +71,10 @@ def replaced_links(text, replacement):
         def one(match):
             new = replacement(match.group(1) == "!", show(match.group(2)), match.group(3))
             return match.group(0) if new is None else new
-        return show(LINK.sub(one, INLINE_CODE.sub(hide, line)))
-    return "\n".join(in_line(line) if outside else line for line, outside in lines_outside_code(text))
+        return show(LINK.sub(one, INLINE_CODE.sub(hide, lines)))
+    paragraphs = itertools.groupby(lines_outside_code(text), lambda line: line[1] and bool(line[0].strip()))
+    joined = ((is_text, "\n".join(line for line, _ in lines)) for is_text, lines in paragraphs)
+    return "\n".join(in_paragraph(lines) if is_text else lines for is_text, lines in joined)
 
 
 def with_code_at_the_margin(text):
