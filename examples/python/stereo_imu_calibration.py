@@ -5,6 +5,7 @@ Frames: world z up, the board in the plane z = 0; cameras z forward. Units: metr
 data/simulated_stereo_imu/README.md. The C++ program is examples/stereo_imu_calibration.
 """
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -93,6 +94,9 @@ print(f"converged: {fit.converged}, chi-square / dof {fit.chi2_per_dof:.2f}")
 print("left camera ", *(f"{x:.4g}" for x in camera.value.left))
 print("right camera", *(f"{x:.4g}" for x in camera.value.right))
 print("left2right  ", camera.value.left2right.pos.round(4), "m")
-print(f"gravity      {gravity.value:.4g} +- {gravity.std:.4g} m/s^2")
-for axis, b, std in zip("xyz", bias.value, bias.std):
-    print(f"bias {axis}       {b:.4g} +- {std:.4g} m/s^2")
+
+# Only the tilts of the head tell gravity from bias, so both are determined weakly.
+true = json.loads((DATA / "truth.json").read_text())["imu"]
+print(f"gravity      {gravity.value:.4g} +- {gravity.std:.4g}, true {true['gravity']} m/s^2")
+for axis, b, std, true_b in zip("xyz", bias.value, bias.std, true["acc_bias"]):
+    print(f"bias {axis}       {b:.4g} +- {std:.4g}, true {true_b} m/s^2")
