@@ -4,6 +4,8 @@ import html
 
 import numpy as np
 
+from ._error import Error
+
 
 def params(self):
     """The fitted components as a pandas frame: value and standard deviation, by name."""
@@ -20,6 +22,14 @@ def uncertainties(self):
     from uncertainties import correlated_values
 
     rows = self.parameters
+    names = [p.name for p in rows]
+    twice = sorted({name for name in names if names.count(name) > 1}) if len(set(names)) < len(names) else []
+    if twice:
+        raise Error(
+            f"[slom.same-name] several fitted components are called {twice[0]}, but these values are found by name; give "
+            "each variable its own name",
+            twice[0],
+        )
     return dict(zip([p.name for p in rows], correlated_values([p.value for p in rows], self.covariance)))
 
 

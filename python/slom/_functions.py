@@ -38,6 +38,23 @@ def _logaddexp2(a, b):
     return _logaddexp(a * np.log(2), b * np.log(2)) / np.log(2)
 
 
+def _expit(x):
+    e = number(choose(x < 0, x, -x)).exp()  # does not overflow
+    return choose(x < 0, e, 1.0) / (1 + e)
+
+
+def _normal(x):
+    return 0.5 * number(-x * np.sqrt(0.5)).erfc()
+
+
+def _logit(x):
+    return number(x).log() - number(-x).log1p()
+
+
+def _xlogy(x, y):
+    return choose(x == 0, 0.0, x * number(choose(x == 0, 1.0, y)).log())
+
+
 def _truth(x):
     return x if isinstance(x, (Condition, bool)) else x != 0
 
@@ -87,12 +104,16 @@ _UFUNCS = {
     "logaddexp": _elementwise(_logaddexp, 2),
     "logaddexp2": _elementwise(_logaddexp2, 2),
     **{name: _elementwise(_method(name), 2) for name in ("hypot", "arctan2", "fmod")},
-    # erf is SciPy's.
+    # SciPy's special functions.
+    "expit": _elementwise(_expit, 1),
+    "logit": _elementwise(_logit, 1),
+    "ndtr": _elementwise(_normal, 1),
+    "xlogy": _elementwise(_xlogy, 2),
     **{
         name: _elementwise(_method(name), 1)
         for name in (
             "sqrt cbrt sin cos tan arcsin arccos arctan sinh cosh tanh arcsinh arccosh arctanh exp exp2 expm1 log "
-            "log1p log10 log2 erf fabs sign trunc deg2rad radians rad2deg degrees"
+            "log1p log10 log2 erf erfc fabs sign trunc deg2rad radians rad2deg degrees"
         ).split()
     },
 }

@@ -55,6 +55,9 @@ loss         a robust loss, such as slom.Huber(1.345)
 group        keys of groups that share errors, one a row; a dict for several dimensions
 name         label in reports
 trace        True: raise if the function cannot be recorded. False: call it for each measurement.
+jacobian     for a function that cannot be recorded: takes the same arguments; returns the derivatives of the residual by
+             the components of the variables in their tangent spaces, (m, n), or a list with a block for each variable.
+             check_derivatives compares them with differences
 
 >>> est = slom.Estimator()
 >>> place = est.variable([0.5, 0.5], "place")
@@ -83,8 +86,9 @@ path                               a component such as "pos.z"; without it the w
 [1.   2.   3.15])";
 
 inline constexpr const char* kCovariance =
-    R"(Returns the covariance of a variable, or the joint covariance of a list of variables in its order: an array (n, n), with n
-components in the tangent spaces. If the measurements do not determine the variables, slom.Error says which.
+    R"(Returns the covariance of a variable, or of all variables of a list or VariableArray jointly, in the given order and in
+their tangent spaces: an array (n, n) for n components. With `b`, the cross-covariance of `a` (rows) and `b` (columns). If the
+measurements do not determine the variables, slom.Error says which.
 
 >>> est = slom.Estimator()
 >>> a, b = est.variable(0.0, "a"), est.variable(0.0, "b")
@@ -93,10 +97,15 @@ components in the tangent spaces. If the measurements do not determine the varia
 >>> fit = est.optimize()
 >>> print(est.covariance([a, b]).round(3))
 [[0.01 0.01]
- [0.01 0.05]])";
+ [0.01 0.05]]
+>>> print(est.covariance(a, b).round(3))
+[[0.01]])";
 
 inline constexpr const char* kPropagate =
-    R"(Returns f(variables) and its covariance to first order: a slom.Propagated with `value`, `std` and `covariance`.
+    R"(Returns f(variables and data ...) and its covariance to first order: a slom.Propagated with `value`, `std` and
+`covariance`.
+
+covariance  that of the variables, in place of the estimated one
 
 >>> est = slom.Estimator()
 >>> radius = est.variable(1.0, "radius")
@@ -165,7 +174,7 @@ correction  of small numbers of groups: "cr0", "cr1", "cr2", "cr3", or "by_lever
 0.020, with the errors of each day 0.058)";
 
 inline constexpr const char* kBound =
-    R"(Keeps the components at a path, or all of them, between two limits. Infinite limits remove the bound.
+    R"(Keeps the components at a path, or all of them, between two limits. Without limits, removes the bound.
 
 A value outside raises slom.Error. The covariance takes a component that ends at its bound as known.
 
@@ -205,7 +214,7 @@ Its perturbation is the angle (1,) [rad].
 
 inline constexpr const char* SO3 =
     R"(SO3(w, x, y, z): a rotation in space of a quaternion, which is normalised. SO3(matrix) takes a matrix (3, 3),
-SO3.exp(vector) axis times angle [rad]. SO3(): no rotation.
+SO3(rotation) a Rotation of SciPy, SO3.exp(vector) axis times angle [rad]. SO3(): no rotation.
 
 Its perturbation is a rotation vector (3,) [rad], applied on the right: R + d = R * SO3.exp(d).
 
@@ -265,7 +274,8 @@ SE2(pos=[3, 4], orient=SO2(-0.5))
 <3 rows of SE2>)";
 
 inline constexpr const char* kLoad =
-    R"(Reads a problem that Estimator.save or slom::Archive wrote. Returns the estimator and its variables by name.
+    R"(Reads a problem that Estimator.save or slom::Archive wrote. Returns the estimator and its variables by name;
+those called x[0], x[1], ... are the VariableArray "x".
 
 >>> import os, tempfile
 >>> est = slom.Estimator()
