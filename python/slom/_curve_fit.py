@@ -65,8 +65,8 @@ class CurveFit:
         """Returns the profile likelihood intervals of all parameters."""
         return self.estimator.intervals(probability)
 
-    def plot(self, figure: Any = None) -> Any:
-        return self.fit.plot(figure)
+    def plot(self, figure: Any = None, profiles: bool = False) -> Any:
+        return self.fit.plot(figure, profiles)
 
     def __str__(self) -> str:
         return str(self.fit)
@@ -184,7 +184,7 @@ def curve_fit(
             raise BadCurve(str(error), error.subject) from error
     fit = estimator.optimize(**options)
     if not fit.converged:
-        raise NotFitted(f"[slom.not-fitted] the curve is not fitted: {fit.message}", label)
+        raise NotFitted(f"[slom.not-fitted] the curve is not fitted: {fit.message}; pass better start values p0", label)
     curve = CurveFit(f, estimator, variables, fit)
     if full_output:
         info = {"fvec": np.asarray(f(x, *curve.popt), float) - y, "nfev": fit.iterations, "njev": fit.iterations}

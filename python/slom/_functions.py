@@ -52,7 +52,7 @@ def _logit(x):
 
 
 def _xlogy(x, y):
-    return choose(x == 0, 0.0, x * number(choose(x == 0, 1.0, y)).log())
+    return x * number(choose((x == 0) & _not(y > 0), 1.0, y)).log()
 
 
 def _truth(x):

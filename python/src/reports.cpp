@@ -168,12 +168,13 @@ void bindFit(nb::module_& module) {
                    "The fitted components as correlated values of the package `uncertainties`, by name.")
       .def(
           "plot",
-          [](nb::handle self, nb::handle figure) {
-            return nb::module_::import_("slom._fit").attr("plot")(self, figure);
+          [](nb::handle self, nb::handle figure, bool profiles) {
+            return nb::module_::import_("slom._fit").attr("plot")(self, figure, profiles);
           },
-          "figure"_a = nb::none(),
+          "figure"_a = nb::none(), "profiles"_a = false,
           "Plots the residuals of each kind of measurements beside the normal distribution, and the correlations of the "
-          "parameters, if there are at most 200. Returns the figure. Needs matplotlib.")
+          "parameters, if there are at most 200. With profiles=True, the 95 % intervals by profiles beside those by standard "
+          "deviations (dotted). Returns the figure. Needs matplotlib.")
       .def("_repr_html_", inPython("html_of_fit"))
       .def_prop_ro("covariance", alone(&covarianceOf), "Joint covariance of `parameters`, in their order.")
       .def(

@@ -158,7 +158,12 @@ void ValueType::finish() {
   std::string name = is_compound_ ? nb::cast<std::string>(class_.attr("__name__")) : "";
   if (!is_compound_) {
     constexpr const char* names[] = {"number", "vector", "SO2", "SO3", "S2", "SE2", "SE3"};
-    name = names[static_cast<int>(kind_)] + (kind_ == Kind::vector ? textOf(shape_) : "");
+    name = names[static_cast<int>(kind_)];
+    if (kind_ == Kind::vector) {  // so that messages can say: all 5 3-vectors
+      std::string sizes;
+      for (const std::size_t n : shape_) sizes += (sizes.empty() ? "" : "x") + std::to_string(n);
+      name = sizes + (shape_.size() == 1 ? "-vector" : "-array");
+    }
   }
   runtime_ = RuntimeType::make(std::move(name), std::move(fields));
 }

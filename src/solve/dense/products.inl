@@ -18,6 +18,16 @@ inline void accumulate(int rows, int l, const double* A, const double* B, int b,
 /// H += A^T B for A of K columns: A is transposed first, so that its columns lie across the lanes.
 template <int K>
 void addProductOf(int rows, int l, const double* A, const double* B, double* H) {
+  if constexpr (K <= 2) {  // wide loads of what is stored narrowly would wait for the stores
+    for (int j = 0; j < l; ++j, B += rows, H += K) {
+      for (int i = 0; i < K; ++i) {
+        double sum = H[i];
+        for (int r = 0; r < rows; ++r) sum = plusProduct(sum, A[i * rows + r], B[r]);
+        H[i] = sum;
+      }
+    }
+    return;
+  }
   double transposed[kMostRows * padded(K)];
   for (int first = 0; first < rows; first += kMostRows) {
     const int count = smaller(kMostRows, rows - first);
