@@ -75,6 +75,7 @@ slom.SE2(1, 2, 3) * slom.SE3()
 reveal_type(slom.SE3() * slom.SE3())
 reveal_type(slom.SO3() * np.zeros(3))
 reveal_type(est.profile(x).lower)
+reveal_type([x.name for x in est.variables([1.0])])
 """
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "program.py"
@@ -87,6 +88,7 @@ reveal_type(est.profile(x).lower)
             (9, "slom._slom.SE3"),
             (10, "ndarray"),
             (11, "float"),
+            (12, "list[str]"),
         ]:
             self.assertTrue(any(f"py:{line}: " in one and words in one for one in said.splitlines()), (words, said))
 
