@@ -1,6 +1,6 @@
 import inspect
 import warnings
-from typing import Any, Callable, Iterator, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -122,7 +122,17 @@ def curve_fit(
     options         those of Estimator.optimize
 
     Returns a CurveFit, which unpacks to popt, pcov. Raises an error that is a RuntimeError, too, if the fit does not
-    converge, one that is a ValueError for data that cannot be used."""
+    converge, one that is a ValueError for data that cannot be used.
+
+    >>> x = np.linspace(0, 2, 5)
+    >>> y = np.array([2.52, 1.50, 0.92, 0.56, 0.33])
+    >>> curve = slom.curve_fit(lambda x, a, b: a * np.exp(-b * x), x, y, p0=[1, 1])
+    >>> popt, pcov = curve
+    >>> print(popt.round(2), curve.perr.round(2))
+    [2.51 1.01] [0.01 0.01]
+    >>> print(round(curve["b"].value, 2))
+    1.01
+    """
     if nan_policy not in (None, "raise", "omit"):
         raise _error(f'nan_policy is {nan_policy!r}; pass None, "raise" or "omit"', "nan_policy")
     if maxfev is not None:
@@ -161,7 +171,7 @@ def curve_fit(
         variables.append(estimator.variable(float(value), name))
         if np.isfinite(a) or np.isfinite(b):
             variables[-1].bound(a, b)
-    noise = {"loss": loss} if loss is not None else {}
+    noise: Dict[str, Any] = {"loss": loss} if loss is not None else {}
     label = getattr(f, "__name__", "f")
     label = "f" if label == "<lambda>" else label
     joint = sigma is not None and sigma.ndim == 2

@@ -2,6 +2,7 @@
 with objects, and might ask for values, or give a wrong result without a word."""
 
 import operator
+from typing import Any, Dict
 
 import numpy as np
 
@@ -228,7 +229,7 @@ def _sinc(x):
     return np.sin(y) / y
 
 
-_OWN = {
+_OWN: Dict[Any, Any] = {
     np.where: _where,
     np.select: _select,
     np.einsum: _einsum,
@@ -296,6 +297,7 @@ def _array_function(self, function, types, arguments, options):
 
 
 # Numbers alone come here, too: np.float64(2) - x, np.where(x > 0, x, 0).
+_type: Any
 for _type in (Array, Number, Condition):
     _type.__array_ufunc__ = _array_ufunc
     _type.__array_function__ = _array_function

@@ -1,11 +1,12 @@
 """Messages of the library in the words of this package: they name functions of C++."""
 
 import re
+from typing import Any, List
 
 _VARIABLE, _MEASUREMENT = r"(?:the )?(?:Any)?VarID(?:<.*?>+(?= ))?", r"(?:the )?(?:Any)?MeasID(?:<.*?>+(?= ))?"
 
 # Pattern, replacement. Applied in this order.
-_WORDS = [
+_WORDS: List[Any] = [
     (f"{_VARIABLE} refers to a variable that has been removed; keep the VarID that insertRV returned last",
      "the variable has been removed from its estimator; use one that est.variable returned"),
     (f"{_MEASUREMENT} refers to a measurement that has been removed; keep the MeasID that insertMeasurement returned last",

@@ -8,6 +8,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "documentation.hpp"
 #include "recorded.hpp"
 #include "slom/tape/rotation.hpp"
 #include "value_type.hpp"
@@ -384,16 +385,12 @@ nb::class_<G<S>> bindGroup(nb::module_& module, const char* name, const char* do
 template <class S>
 void bindAll(nb::module_& module) {
   using namespace nb::literals;
-  auto so2 = bindGroup<mtk::SO2, SE2, S>(module, "SO2",
-                                         "SO2(angle): a rotation in the plane [rad]. SO2(): no rotation.");
+  auto so2 = bindGroup<mtk::SO2, SE2, S>(module, "SO2", doc::SO2);
   so2.def_prop_ro(
          "angle", [](const mtk::SO2<S>& R) { return R.angle(); }, "The angle in [-pi, pi) [rad].")
       .def(
           "log", [](const mtk::SO2<S>& R) { return R.angle(); }, "Returns the angle [rad].");
-  auto so3 = bindGroup<mtk::SO3, SE3, S>(
-      module, "SO3",
-      "SO3(w, x, y, z): a rotation in space of a quaternion, which is normalised. SO3(matrix), SO3(rotation) of SciPy. "
-      "SO3(): no rotation.");
+  auto so3 = bindGroup<mtk::SO3, SE3, S>(module, "SO3", doc::SO3);
   so3.def(
          "log", [](const mtk::SO3<S>& R) { return vectorToPython(mtk::SO3<S>::log(R)); },
          "Returns the rotation vector, axis times angle [rad].")
@@ -404,8 +401,7 @@ void bindAll(nb::module_& module) {
       .def_prop_ro(
           "coefficients", [](const mtk::SO3<S>& R) { return vectorToPython(R.coeffs()); },
           "The unit quaternion (x, y, z, w), in the order of SciPy.");
-  auto s2 =
-      bindOne<mtk::S2, S>(module, "S2", "S2(vector): the direction of a vector of any positive length.");
+  auto s2 = bindOne<mtk::S2, S>(module, "S2", doc::S2);
   s2.def_prop_ro(
         "vector", [](const mtk::S2<S>& v) { return vectorToPython(v.vector()); }, "The unit vector.")
       .def_prop_ro("x", [](const mtk::S2<S>& v) { return v.x(); })
@@ -418,12 +414,9 @@ void bindAll(nb::module_& module) {
         .def_prop_ro(
             "orient", [](const T& x) { return x.orient; }, "The orientation.");
   };
-  auto se2 = bindGroup<SE2, mtk::SO2, S>(
-      module, "SE2", "SE2(pos, orient), SE2(x, y, angle) or SE2(matrix): a rigid motion in the plane.");
+  auto se2 = bindGroup<SE2, mtk::SO2, S>(module, "SE2", doc::SE2);
   parts(se2);
-  auto se3 = bindGroup<SE3, mtk::SO3, S>(
-      module, "SE3",
-      "SE3(pos, orient) or SE3(matrix): a rigid motion in space, which moves p to orient * p + pos.");
+  auto se3 = bindGroup<SE3, mtk::SO3, S>(module, "SE3", doc::SE3);
   parts(se3);
   if constexpr (std::is_same_v<S, double>) {
     so2.def(nb::new_([](const nb::args& args) {

@@ -15,6 +15,7 @@
 #include <slom/tape.hpp>
 
 #include "alone.hpp"
+#include "documentation.hpp"
 #include "manifolds.hpp"
 #include "plain_function.hpp"
 #include "record.hpp"
@@ -304,14 +305,13 @@ void bindMeasure(nb::module_& module, nb::class_<Estimator>& estimator) {
 
   nb::class_<Loss>(module, "Loss", "A robust loss. None in its place: least squares.")
       .def("__repr__", [](const Loss& loss) { return loss.text(); });
-#define SLOM_BIND_SCALED(Name)                                          \
-  module.def(                                                           \
-      #Name, [](double scale) { return Loss(Name(scale)); }, "scale"_a, \
-      "The loss of that name; scale in standard deviations.");
+#define SLOM_BIND_SCALED(Name) \
+  module.def(                  \
+      #Name, [](double scale) { return Loss(Name(scale)); }, "scale"_a, doc::Name);
 #define SLOM_BIND_SHAPED(Name)                                                                          \
   module.def(                                                                                           \
       #Name, [](double shape, double scale) { return Loss(Name(shape, scale)); }, "shape"_a, "scale"_a, \
-      "The loss of that name; scale in standard deviations.");
+      doc::Name);
   SLOM_LOSSES(SLOM_BIND_SCALED, SLOM_BIND_SHAPED)
 #undef SLOM_BIND_SCALED
 #undef SLOM_BIND_SHAPED
@@ -319,21 +319,7 @@ void bindMeasure(nb::module_& module, nb::class_<Estimator>& estimator) {
   estimator.def("measure", alone(&measure), "function"_a, "arguments"_a, nb::kw_only(),
                 "measured"_a = nb::none(), "sigma"_a = nb::none(), "covariance"_a = nb::none(),
                 "information"_a = nb::none(), "loss"_a = nb::none(), "group"_a = nb::none(), "name"_a = "",
-                "trace"_a = nb::none(), "jacobian"_a = nb::none(),
-                R"(Adds a measurement for each row of the arguments: variables, arrays of variables, and data.
-
-function     gets the variables and data in this order; returns the residual, or a prediction of `measured`
-measured     what the function predicts, one a row
-sigma        standard deviation: a number, one for each row, one for each component, or (rows, components)
-covariance   matrix (components, components), or one for each row
-information  its inverse, likewise
-loss         a robust loss, such as slom.Huber(1.345)
-group        keys of groups that share errors, one a row; a dict for several dimensions
-name         label in reports
-trace        True: raise if the function cannot be recorded. False: call it for each measurement.
-jacobian     for a function that cannot be recorded: takes the same arguments; returns the derivatives of the residual by
-             the components of the variables in their tangent spaces, (m, n), or a list with a block for each variable.
-             check_derivatives compares them with differences)");
+                "trace"_a = nb::none(), "jacobian"_a = nb::none(), doc::kMeasure);
 }
 
 }  // namespace slom::python

@@ -26,6 +26,7 @@
 #include <slom/version.hpp>
 
 #include "alone.hpp"
+#include "documentation.hpp"
 #include "manifolds.hpp"
 #include "measure.hpp"
 #include "plain_function.hpp"
@@ -256,8 +257,7 @@ NB_MODULE(_slom, module) {
   bindRows(module);
   bindVariables(module);
 
-  nb::class_<Estimator> estimator(
-      module, "Estimator", "Variables, measurements, and the fit of the variables to the measurements.");
+  nb::class_<Estimator> estimator(module, "Estimator", doc::kEstimator);
   bindMeasure(module, estimator);
   bindReports(module, estimator);
   estimator.def(nb::init<>())
@@ -279,12 +279,9 @@ NB_MODULE(_slom, module) {
                  "or copy it by est.clone()",
                  "estimator");
            })
-      .def(
-          "variable", alone(&variable), "value"_a.none(), "name"_a = "", "optimize"_a = true,
-          "Adds a variable with its start value: a number, an array, SO2, SO3, S2, SE2, SE3, or an instance of a class "
-          "decorated with slom.manifold. With optimize=False it keeps that value.")
+      .def("variable", alone(&variable), "value"_a.none(), "name"_a = "", "optimize"_a = true, doc::kVariable)
       .def("variables", alone(&variables), "values"_a.none(), "name"_a = "", "optimize"_a = true,
-           "Adds a variable for each row of an array, entry of a list, or row of slom.Rows.")
+           doc::kVariables)
       .def(
           "optimize", alone(&optimize), nb::kw_only(), "max_iterations"_a = nb::none(),
           "max_seconds"_a = nb::none(), "gradient_tolerance"_a = nb::none(),
@@ -302,9 +299,7 @@ NB_MODULE(_slom, module) {
                 prior(self, x, value, sigma, covariance, information, path, loss, name));
           },
           "variable"_a, "value"_a, "sigma"_a = nb::none(), nb::kw_only(), "covariance"_a = nb::none(),
-          "information"_a = nb::none(), "path"_a = "", "loss"_a = nb::none(), "name"_a = "prior",
-          "Adds prior knowledge of a variable, or of its component at a path such as \"pos.z\": a measurement of its value "
-          "with a standard deviation, a covariance or an information matrix. Returns the measurement.")
+          "information"_a = nb::none(), "path"_a = "", "loss"_a = nb::none(), "name"_a = "prior", doc::kPrior)
       .def("update",
            alone(+[](Estimator& est, double tolerance, int max_steps, double budget, bool reconsider) {
              const nb::gil_scoped_release unlocked;
@@ -330,19 +325,13 @@ NB_MODULE(_slom, module) {
            }),
            "variables"_a, nb::kw_only(), "first_estimates"_a = false,
            "Removes variables and keeps what their measurements say about others.")
-      .def(
-          "covariance", alone(&covariance), "a"_a, "b"_a = nb::none(),
-          "Returns the covariance of a variable, or of all variables of a list or VariableArray jointly, in the given "
-          "order and in their tangent spaces: n x n. With `b`, the cross-covariance of `a` (rows) and `b` (columns).")
+      .def("covariance", alone(&covariance), "a"_a, "b"_a = nb::none(), doc::kCovariance)
       .def("correlation", alone(+[](const Estimator& est, const Variable& a, const Variable& b) {
              return Eigen::MatrixXd(est.correlation(a.id, b.id));
            }),
            "a"_a, "b"_a, "Returns the correlations of the components of two variables.")
-      .def(
-          "propagate", alone(&propagate), "function"_a, "arguments"_a, nb::kw_only(),
-          "covariance"_a = nb::none(),
-          "Returns f(variables and data ...) with its covariance to first order. `covariance`: that of the variables, in "
-          "place of the estimated one.")
+      .def("propagate", alone(&propagate), "function"_a, "arguments"_a, nb::kw_only(),
+           "covariance"_a = nb::none(), doc::kPropagate)
       .def("clone", alone(+[](const Estimator& est) { return std::make_shared<Estimator>(est.clone()); }),
            "Returns a copy, which is fitted independently.")
       .def(
@@ -403,12 +392,9 @@ NB_MODULE(_slom, module) {
       .def("set_threads", alone(+[](Estimator& est, int threads) { est.setThreads(threads); }), "threads"_a,
            "Sets the largest number of threads; 0: all of the machine.");
 
-  module.def(
-      "load", &load, "file"_a,
-      "Reads a problem that Estimator.save or slom::Archive wrote. Returns the estimator and its variables by name; those "
-      "called x[0], x[1], ... are the VariableArray \"x\".");
+  module.def("load", &load, "file"_a, doc::kLoad);
 
-  nb::class_<slom::FixedLag>(module, "FixedLag", "A window over the newest variables of an estimator.")
+  nb::class_<slom::FixedLag>(module, "FixedLag", doc::kFixedLag)
       .def(
           "__init__",
           [](slom::FixedLag* self, std::optional<int> variables, double duration, bool first_estimates) {

@@ -17,6 +17,7 @@
 #include <slom/slom.hpp>
 
 #include "alone.hpp"
+#include "documentation.hpp"
 #include "words.hpp"
 
 namespace slom::python {
@@ -305,11 +306,10 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
            alone(+[](Estimator& est, const Variable& x, const std::string& path, double probability) {
              return path.empty() ? profile(est, x.id, probability) : profile(est, x.id, path, probability);
            }),
-           "variable"_a, "path"_a = "", "probability"_a = 0.95,
-           "Returns the profile likelihood interval of a number or component.")
+           "variable"_a, "path"_a = "", "probability"_a = 0.95, doc::kProfile)
       .def("intervals",
            alone(+[](Estimator& est, double probability) { return intervals(est, probability); }),
-           "probability"_a = 0.95, "Returns the intervals of all components.")
+           "probability"_a = 0.95, doc::kIntervals)
       .def("diagnose", alone(+[](const Estimator& est) { return diagnose(est); }),
            "Returns what the measurements determine.")
       .def("preflight", alone(+[](const Estimator& est) { return preflight(est); }),
@@ -317,24 +317,21 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
       .def("outliers", alone(+[](const Estimator& est, double significance, int worst) {
              return outliers(est, {.significance = significance, .worst = worst});
            }),
-           "significance"_a = 0.01, "worst"_a = 10, "Tests each measurement.")
+           "significance"_a = 0.01, "worst"_a = 10, doc::kOutliers)
       .def("check_derivatives", alone(+[](const Estimator& est) { return checkDerivatives(est); }),
            "Compares derivatives with differences.")
-      .def(
-          "clustered",
-          alone(+[](const Estimator& est, nb::handle by, const std::string& correction, bool ordered,
-                    bool refit) {
-            ClusterOptions options;
-            options.by = waysOf(by);
-            options.correction = correctionNamed(correction);
-            options.ordered = ordered;
-            options.refit = refit;
-            return clustered(est, options);
-          }),
-          "by"_a = nb::none(), nb::kw_only(), "correction"_a = "by_leverage", "ordered"_a = false,
-          "refit"_a = false,
-          "Returns covariances for errors that measurements share within groups: the dimensions of `group`, or arrays "
-          "of variables.")
+      .def("clustered",
+           alone(+[](const Estimator& est, nb::handle by, const std::string& correction, bool ordered,
+                     bool refit) {
+             ClusterOptions options;
+             options.by = waysOf(by);
+             options.correction = correctionNamed(correction);
+             options.ordered = ordered;
+             options.refit = refit;
+             return clustered(est, options);
+           }),
+           "by"_a = nb::none(), nb::kw_only(), "correction"_a = "by_leverage", "ordered"_a = false,
+           "refit"_a = false, doc::kClustered)
       .def(
           "variance_components",
           alone(+[](Estimator& est, const std::vector<std::string>& kinds, bool apply_them) {

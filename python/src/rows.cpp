@@ -4,6 +4,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "documentation.hpp"
 #include "manifolds.hpp"
 #include "value_type.hpp"
 
@@ -116,10 +117,7 @@ void defineOperator(Class& c, const char* name, const char* reflected) {
 
 void bindRows(nb::module_& module) {
   using namespace nb::literals;
-  nb::class_<Rows> c(
-      module, "Rows",
-      "Values of one type, such as SE3, one a row. Index arrays and masks select rows. a * b, a - b, a + d and "
-      "a.inverse() are those of each row.");
+  nb::class_<Rows> c(module, "Rows", doc::kRows);
   c.def(
        "__init__",
        [](Rows* self, nb::handle values, nb::handle like) {

@@ -9,6 +9,7 @@
 #include <slom/slom.hpp>
 
 #include "alone.hpp"
+#include "documentation.hpp"
 #include "manifolds.hpp"
 
 namespace slom::python {
@@ -122,18 +123,15 @@ void bindVariables(nb::module_& module) {
       .def("fix", alone(+[](const Variable& x, const std::string& path) {
              path.empty() ? x.est->fix(x.id) : x.est->fix(x.id, path);
            }),
-           "path"_a = "",
-           "Keeps the variable, or the components at a path such as \"pos.z\", at the current value.")
+           "path"_a = "", doc::kFix)
       .def("free", alone(+[](const Variable& x, const std::string& path) {
              path.empty() ? x.est->free(x.id) : x.est->free(x.id, path);
            }),
            "path"_a = "", "Releases the variable, or the components at a path.")
-      .def(
-          "bound", alone(+[](const Variable& x, double lower, double upper, const std::string& path) {
-            x.est->bound(x.id, path, lower, upper);
-          }),
-          "lower"_a = -kInfinity, "upper"_a = kInfinity, "path"_a = "",
-          "Keeps the components at a path, or all of them, between two limits. Without limits, removes the bound.")
+      .def("bound", alone(+[](const Variable& x, double lower, double upper, const std::string& path) {
+             x.est->bound(x.id, path, lower, upper);
+           }),
+           "lower"_a = -kInfinity, "upper"_a = kInfinity, "path"_a = "", doc::kBound)
       .def("remove", alone(+[](const Variable& x) { x.est->removeRV(x.id); }),
            "Removes the variable. No measurement may depend on it.")
       .def("__repr__", [](const Variable& x) {
