@@ -1,4 +1,5 @@
 // slom._slom: the library as Python sees it. Names, shapes and errors are translated; nothing is computed here.
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include <nanobind/eigen/dense.h>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -19,6 +21,7 @@
 #include <slom/optimize/named.hpp>
 #include <slom/slom.hpp>
 
+#include "files.hpp"
 #include "manifolds.hpp"
 #include "measure.hpp"
 #include "recorded.hpp"
@@ -127,7 +130,8 @@ Archive archive() {
   return archive;
 }
 
-void save(const Estimator& est, const std::string& file) {
+void save(const Estimator& est, const std::filesystem::path& path) {
+  const std::string file = path.string();
   std::ostringstream text;
   archive().save(est, text);  // before the file is opened, so that a failure leaves it as it is
   std::ofstream stream(file, std::ios::binary);
@@ -137,7 +141,8 @@ void save(const Estimator& est, const std::string& file) {
   }
 }
 
-nb::object load(const std::string& file) {
+nb::object load(const std::filesystem::path& path) {
+  const std::string file = path.string();
   std::ifstream stream(file, std::ios::binary);
   if (!stream) {
     throw mtk::Error("slom.cannot-read",
@@ -198,6 +203,7 @@ NB_MODULE(_slom, module) {
   bindManifolds(module);
   bindRows(module);
   bindVariables(module);
+  bindFiles(module);
 
   nb::class_<Estimator> estimator(
       module, "Estimator", "Variables, measurements, and the fit of the variables to the measurements.",

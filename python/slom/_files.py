@@ -1,0 +1,173 @@
+"""Files of other programs: pose graphs and bundle adjustments."""
+
+import os
+from typing import Optional
+
+import numpy as np
+
+from ._manifold import manifold
+from ._slom import SE2, SE3, SO2, Estimator, Loss, Rows, _read_bal, _read_g2o
+
+
+class Edges:
+    """Measurements between nodes, one a row.
+
+    i, j         indices of poses; of sightings and bearings, j are indices of landmarks
+    measured     what was measured: Rows of poses, or an array
+    information  inverse covariances (m, k, k), translation first, as in the file
+    """
+
+    def __init__(self, parts, like=None):
+        for name, value in parts.items():
+            setattr(self, name, value)
+        if like is not None:
+            self.measured = Rows(self.measured, like=like)
+
+    def __len__(self):
+        return len(self.i)
+
+    def __repr__(self):
+        return f"<{len(self)} measurements of {_shape(self.measured)}>"
+
+
+class PoseGraph:
+    """A map of poses and landmarks, in the plane or in space.
+
+    poses           Rows of SE2 or SE3: world_T_pose
+    ids             their numbers in the file
+    fixed           True for poses that keep their values. If the file has neither lines FIX nor priors, it is the first
+    landmarks       (n, 2) or (n, 3); landmark_ids, landmark_fixed
+    edges           Edges from pose to pose: i_T_j
+    sightings       Edges from pose to landmark: the landmark in the frame of the pose
+    bearings        Edges from pose to landmark, in the plane: angles [rad]
+    pose_priors     Edges without j: poses of sensors in the world, which sit at `offsets` on the poses
+    position_priors Edges without j: positions of poses in the world
+    warnings        a sentence for each kind of lines that were skipped
+    """
+
+    def __init__(self, file, parts):
+        pose = SE2 if parts["dim"] == 2 else SE3
+        self.file = file
+        self.poses = Rows(parts["poses"]["values"], like=pose)
+        self.ids, self.fixed = parts["poses"]["ids"], parts["poses"]["fixed"].astype(bool)
+        self.landmarks = parts["landmarks"]["values"]
+        self.landmark_ids, self.landmark_fixed = parts["landmarks"]["ids"], parts["landmarks"]["fixed"].astype(bool)
+        self.edges = Edges(parts["edges"], pose)
+        self.sightings = Edges(parts["sightings"])
+        self.bearings = Edges(parts["bearings"], SO2)
+        self.pose_priors = Edges(parts["pose_priors"], pose)
+        self.pose_priors.offsets = Rows(self.pose_priors.offsets, like=pose)
+        self.position_priors = Edges(parts["position_priors"])
+        self.warnings = parts["warnings"]
+
+    def estimator(self, loss: Optional[Loss] = None) -> Estimator:
+        """Returns an estimator with the variables `poses` and `landmarks`, and all measurements, with the errors of the
+        command `slom graph`. `fixed` poses and landmarks keep their values."""
+        est = Estimator()
+        est.poses = _variables(est, self.poses, "pose", self.fixed)
+        est.landmarks = _variables(est, self.landmarks, "landmark", self.landmark_fixed)
+
+        def measure(f, name, edges, *arguments):
+            if len(edges):
+                information = getattr(edges, "from_a", edges.information)
+                noise = {} if loss is None else {"loss": loss}
+                est.measure(f, *arguments, measured=edges.measured, information=information, name=name, **noise)
+
+        e, s, b, x, p = self.edges, self.sightings, self.bearings, self.pose_priors, self.position_priors
+        measure(lambda a, b: a.inverse() * b, "edge", e, est.poses[e.i], est.poses[e.j])
+        measure(lambda a, p: a.inverse() * p, "sighting", s, est.poses[s.i], est.landmarks[s.j])
+        measure(_bearing, "bearing", b, est.poses[b.i], est.landmarks[b.j])
+        measure(lambda x, o: x * o, "prior", x, est.poses[x.i], x.offsets)
+        measure(lambda x: x.pos, "position prior", p, est.poses[p.i])
+        return est
+
+    def __repr__(self):
+        place = "in the plane" if isinstance(self.poses[0], SE2) else "in space"
+        counts = ((name, len(getattr(self, name))) for name in _COUNTED)
+        return f"<pose graph {place}, {self.file}: {', '.join(f'{n} {name}' for name, n in counts if n)}>"
+
+
+_COUNTED = ("poses", "landmarks", "edges", "sightings", "bearings", "pose_priors", "position_priors")
+
+
+def _bearing(pose, landmark):
+    p = pose.inverse() * landmark
+    return SO2(np.arctan2(p[1], p[0]))
+
+
+def _variables(est, values, name, fixed):
+    variables = est.variables(values, name)
+    variables[fixed].fix()
+    return variables
+
+
+def _shape(values):
+    return repr(values) if isinstance(values, Rows) else f"shape {np.shape(values)}"
+
+
+@manifold
+class BalCamera:
+    """A camera of "Bundle adjustment in the large". It looks along -z.
+
+    pose  cam_T_world
+    lens  focal length f [px], distortion k1, k2
+    """
+
+    pose: SE3
+    lens: np.ndarray
+
+    def project(self, point):
+        """Returns the pixel of a point in the world, from the centre of the image, v upwards."""
+        p = self.pose * point
+        u = -p[:2] / p[2]
+        r2 = u @ u
+        f, k1, k2 = self.lens
+        return f * (1 + r2 * (k1 + r2 * k2)) * u
+
+
+class Bundle:
+    """A bundle adjustment: cameras, points, and the pixels where cameras see points.
+
+    cameras  Rows of slom.BalCamera: cameras.pose, cameras.lens
+    points   (n, 3), in the world
+    i, j     camera and point of each observation
+    pixels   (m, 2), from the centre of the image, v upwards [px]
+    """
+
+    def __init__(self, file, parts):
+        self.file = file
+        self.cameras = Rows(parts["cameras"], like=BalCamera(SE3(), np.zeros(3)))
+        self.points, self.pixels = parts["points"], parts["pixels"]
+        self.i, self.j = parts["i"], parts["j"]
+
+    def estimator(self, loss: Optional[Loss] = None) -> Estimator:
+        """Returns an estimator with the variables `cameras` and `points`, all observations with a standard deviation of
+        1 px, and the algorithm of the command `slom bundle`. Place, rotation and scale of the whole are free."""
+        est = Estimator()
+        est.cameras = est.variables(self.cameras, "camera")
+        est.points = est.variables(self.points, "point")
+        noise = {} if loss is None else {"loss": loss}
+        cameras, points = est.cameras[self.i], est.points[self.j]
+        est.measure(BalCamera.project, cameras, points, measured=self.pixels, name="observation", **noise)
+        est.use_algorithm("lm", memory=0.1)
+        return est
+
+    def __repr__(self):
+        counts = f"{len(self.cameras)} cameras, {len(self.points)} points, {len(self.pixels)} observations"
+        return f"<bundle adjustment, {self.file}: {counts}>"
+
+
+def read_g2o(file: "os.PathLike[str] | str", init: Optional[str] = None) -> PoseGraph:
+    """Reads a pose graph of g2o or TORO.
+
+    init  where poses and landmarks start: "file", "odometry", "spanning-tree", "chordal", "build-up", or "auto" for the
+          one with the lowest cost. Without it, at the values of the file, or, if it has none, as with "auto"
+    """
+    file = os.fspath(file)
+    return PoseGraph(file, _read_g2o(file, init))
+
+
+def read_bal(file: "os.PathLike[str] | str") -> Bundle:
+    """Reads a bundle adjustment of "Bundle adjustment in the large", plain or compressed by bzip2."""
+    file = os.fspath(file)
+    return Bundle(file, _read_bal(file))
