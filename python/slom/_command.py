@@ -148,7 +148,9 @@ def _error(command, code, report):
         how = f"by signal {-code}" if code < 0 else f"with exit code {code}"
         return Error(f"[slom.command-failed] slom {command} ended {how} and no message; please report it", command)
     sentence = complaints[-1]
-    place, colon, _ = sentence.partition(": ")
-    subject = place if colon else ""
-    kind = "bad-option" if subject.startswith("-") else "bad-input" if code == 2 else "command-failed"
-    return Error(f"[slom.{kind}] {sentence}", subject.split(" ")[0] if kind == "bad-option" else subject)
+    subject, colon, _ = sentence.partition(": ")
+    if subject.startswith("--"):
+        return Error(f"[slom.bad-option] {sentence}", subject.split(" ")[0])
+    is_place = colon and (" " not in subject or os.path.exists(re.sub(r":\d+$", "", subject)))
+    kind = "bad-input" if code == 2 else "command-failed"
+    return Error(f"[slom.{kind}] {sentence}", subject if is_place else "")

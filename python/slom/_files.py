@@ -12,9 +12,10 @@ from ._slom import SE2, SE3, SO2, Estimator, Loss, Rows, _read_bal, _read_g2o
 class Edges:
     """Measurements between nodes, one a row.
 
-    i, j         indices of poses; of sightings and bearings, j are indices of landmarks
-    measured     what was measured: Rows of poses, or an array
-    information  inverse covariances (m, k, k), translation first, as in the file
+    i, j              indices of poses; of sightings and bearings, j are indices of landmarks
+    measured          what was measured: Rows of poses, or an array
+    information       inverse covariances (m, k, k) as in the file: translation first, in the frame of j; [m, rad]
+    information_in_i  of edges, in the frame of i: that of the error (i^-1 j) [-] measured, which est.measure computes
     """
 
     def __init__(self, parts, like=None):
@@ -67,18 +68,17 @@ class PoseGraph:
         est.poses = _variables(est, self.poses, "pose", self.fixed)
         est.landmarks = _variables(est, self.landmarks, "landmark", self.landmark_fixed)
 
-        def measure(f, name, edges, *arguments):
+        def measure(f, name, edges, information, *arguments):
             if len(edges):
-                information = getattr(edges, "from_a", edges.information)
                 noise = {} if loss is None else {"loss": loss}
                 est.measure(f, *arguments, measured=edges.measured, information=information, name=name, **noise)
 
         e, s, b, x, p = self.edges, self.sightings, self.bearings, self.pose_priors, self.position_priors
-        measure(lambda a, b: a.inverse() * b, "edge", e, est.poses[e.i], est.poses[e.j])
-        measure(lambda a, p: a.inverse() * p, "sighting", s, est.poses[s.i], est.landmarks[s.j])
-        measure(_bearing, "bearing", b, est.poses[b.i], est.landmarks[b.j])
-        measure(lambda x, o: x * o, "prior", x, est.poses[x.i], x.offsets)
-        measure(lambda x: x.pos, "position prior", p, est.poses[p.i])
+        measure(lambda a, b: a.inverse() * b, "edge", e, e.information_in_i, est.poses[e.i], est.poses[e.j])
+        measure(lambda a, p: a.inverse() * p, "sighting", s, s.information, est.poses[s.i], est.landmarks[s.j])
+        measure(_bearing, "bearing", b, b.information, est.poses[b.i], est.landmarks[b.j])
+        measure(lambda x, o: x * o, "prior", x, x.information_in_world, est.poses[x.i], x.offsets)
+        measure(lambda x: x.pos, "position prior", p, p.information, est.poses[p.i])
         return est
 
     def __repr__(self):

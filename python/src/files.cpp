@@ -88,26 +88,26 @@ nb::dict nodes(const std::vector<io::Node<Value>>& all) {
   return d;
 }
 
-/// Measurements between nodes i and j. `from_a`: the information in the frame of the first node, for the error
-/// a^-1 b [-] measured, whose translation is not turned.
+/// Measurements between nodes i and j. The information in i is that of the error i^-1 j [-] measured, whose translation
+/// is in the frame of node i.
 template <class Datum>
 nb::dict edges(const std::vector<io::Edge<Datum>>& all) {
   constexpr std::size_t m = mtk::DOF_v<Datum>;
   Indices i, j;
-  Numbers measured, information, from_a;
+  Numbers measured, information, in_i;
   for (const io::Edge<Datum>& edge : all) {
     i.push(edge.from);
     j.push(edge.to);
     measured.push(edge.measured);
     information.push(edge.information);
-    if constexpr (mtk::detail::is_trafo<Datum>) from_a.push(io::detail::informationFromA(edge));
+    if constexpr (mtk::detail::is_trafo<Datum>) in_i.push(io::detail::informationFromA(edge));
   }
   nb::dict d;
   d["i"] = i.numpy();
   d["j"] = j.numpy();
   d["measured"] = measured.numpy({coordinates<Datum>});
   d["information"] = information.numpy({m, m});
-  d["from_a"] = mtk::detail::is_trafo<Datum> ? from_a.numpy({m, m}) : d["information"];
+  if constexpr (mtk::detail::is_trafo<Datum>) d["information_in_i"] = in_i.numpy({m, m});
   return d;
 }
 
@@ -115,21 +115,21 @@ template <class Pose>
 nb::dict posePriors(const io::PoseGraph<Pose>& graph) {
   constexpr std::size_t m = io::dof<Pose>;
   Indices i;
-  Numbers offsets, measured, information, from_world;
+  Numbers offsets, measured, information, in_world;
   for (const io::PosePrior<Pose>& prior : graph.pose_priors) {
     i.push(prior.pose);
     offsets.push(graph.offsetOf(prior));
     measured.push(prior.measured);
     information.push(prior.information);
     const io::Edge<Pose> from_origin{0, prior.pose, prior.line, prior.measured, prior.information};
-    from_world.push(io::detail::informationFromA(from_origin));
+    in_world.push(io::detail::informationFromA(from_origin));
   }
   nb::dict d;
   d["i"] = i.numpy();
   d["offsets"] = offsets.numpy({coordinates<Pose>});
   d["measured"] = measured.numpy({coordinates<Pose>});
   d["information"] = information.numpy({m, m});
-  d["from_a"] = from_world.numpy({m, m});
+  d["information_in_world"] = in_world.numpy({m, m});
   return d;
 }
 

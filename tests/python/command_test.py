@@ -203,7 +203,7 @@ class Graph(Checks):
         self.assertEqual((result.exit_code, result.poses, result.landmarks), (1, None, None))
 
     def test_bad_input(self):
-        bad = self.written("bad.g2o", LOOP + "EDGE_SE2 2 x\n")
+        bad = self.written("bad map.g2o", LOOP + "EDGE_SE2 2 x\n")
         error = self.refused(f"[slom.bad-input] {self.complaint('graph', bad)}", slom.graph, bad)
         self.assertTrue(error.subject.startswith(f"{bad}:4"), error.subject)
         error = self.refused(
