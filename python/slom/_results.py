@@ -6,12 +6,16 @@ import os
 import re
 import tempfile
 from pathlib import Path
+from typing import Any, Dict, List, Optional
+
+import numpy as np
 
 from . import _command
 from ._error import Error
-from ._files import read_bal, read_g2o
+from ._files import Bundle, PoseGraph, read_bal, read_g2o
+from ._files import Path as PathLike
 from ._record import Record
-from ._slom import load
+from ._slom import Estimator, Rows, Variable, load
 
 
 class Result:
@@ -22,27 +26,27 @@ class Result:
     exit_code  0: success; 1: the fit did not converge or is not determined, or the data contradict each other
     """
 
-    def __init__(self, command, exit_code, json, report):
+    def __init__(self, command: str, exit_code: int, json: Record, report: str) -> None:
         self.command, self.exit_code, self.json, self.report = command, exit_code, json, report
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         if name.startswith("__") or name == "json":
             raise AttributeError(name)
         return getattr(self.json, name)
 
-    def __getitem__(self, key):
+    def __getitem__(self, key: str) -> Any:
         return self.json[key]
 
-    def __dir__(self):
+    def __dir__(self) -> List[str]:
         return [*super().__dir__(), *self.json]
 
-    def __str__(self):
+    def __str__(self) -> str:
         how = "converged" if self.json.get("converged") else "not converged"
         return self.report or f"slom {self.command}: {how}, exit code {self.exit_code}"
 
     __repr__ = __str__
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return f"<pre>{html.escape(str(self))}</pre>"
 
 
@@ -52,7 +56,7 @@ class Calibration(Result):
     docs/calibrate/results.md."""
 
     @property
-    def verdict(self):
+    def verdict(self) -> Any:
         """How far the calibration can be trusted."""
         return self.quality.verdict
 
@@ -60,24 +64,28 @@ class Calibration(Result):
 class GraphFit(Result):
     """A fitted pose graph. `fitted` is the slom.PoseGraph; None if the fit failed."""
 
+    fitted: Optional[PoseGraph]
+
     @property
-    def poses(self):
+    def poses(self) -> Optional[Rows]:
         return self.fitted and self.fitted.poses
 
     @property
-    def landmarks(self):
+    def landmarks(self) -> Optional[np.ndarray]:
         return self.fitted and self.fitted.landmarks
 
 
 class BundleFit(Result):
     """A fitted bundle adjustment. `fitted` is the slom.Bundle; None if the fit failed."""
 
+    fitted: Optional[Bundle]
+
     @property
-    def cameras(self):
+    def cameras(self) -> Optional[Rows]:
         return self.fitted and self.fitted.cameras
 
     @property
-    def points(self):
+    def points(self) -> Optional[np.ndarray]:
         return self.fitted and self.fitted.points
 
 
@@ -85,8 +93,11 @@ class Replay(Result):
     """A fitted problem of a file. `estimator` and `variables` are those of slom.load; None if the fit failed, or if a C++
     program saved types that slom.load cannot read."""
 
+    estimator: Optional[Estimator]
+    variables: Optional[Dict[str, Variable]]
 
-def calibrate(*files, **options) -> Calibration:
+
+def calibrate(*files: PathLike, **options: Any) -> Calibration:
     """Calibrates cameras, and an IMU on their rig: the command `slom calibrate`.
 
         result = slom.calibrate("left_corners.csv", "right_corners.csv", report="report.html")
@@ -106,7 +117,7 @@ def calibrate(*files, **options) -> Calibration:
     return Calibration("calibrate", code, data, report)
 
 
-def graph(file, **options) -> GraphFit:
+def graph(file: PathLike, **options: Any) -> GraphFit:
     """Fits a pose graph of a file of g2o or TORO: the command `slom graph`. The options are those of the command."""
     code, data, report, fitted = _run("graph", [file], options, "fitted.g2o", read_g2o)
     result = GraphFit("graph", code, data, report)
@@ -114,7 +125,7 @@ def graph(file, **options) -> GraphFit:
     return result
 
 
-def bundle(file, **options) -> BundleFit:
+def bundle(file: PathLike, **options: Any) -> BundleFit:
     """Fits cameras and points of a BAL file: the command `slom bundle`. The options are those of the command."""
     code, data, report, fitted = _run("bundle", [file], options, "fitted.txt", read_bal)
     result = BundleFit("bundle", code, data, report)
@@ -122,7 +133,7 @@ def bundle(file, **options) -> BundleFit:
     return result
 
 
-def replay(file, **options) -> Replay:
+def replay(file: PathLike, **options: Any) -> Replay:
     """Fits a problem that Estimator.save or slom::Archive wrote: the command `slom replay`. The options are those of the
     command."""
     code, data, report, fitted = _run("replay", [file], options, "fitted.slom", _loaded)

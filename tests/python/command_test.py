@@ -174,7 +174,9 @@ class Calibrate(Checks):
             "a.csv",
             camera={"b": "b.csv"},
         )
-        self.refused("[slom.bad-option] sigma_px is True, but it needs a value; pass the value", slom.calibrate, sigma_px=True)
+        self.refused(
+            "[slom.bad-option] sigma_px is True, but it needs a value; pass the value", slom.calibrate, sigma_px=True
+        )
         self.refused("[slom.bad-option] quiet is 'yes'; pass True or False", slom.calibrate, quiet="yes")
 
 
@@ -240,7 +242,7 @@ class BundleAndReplay(Checks):
         self.assertEqual(result.points.shape, (100, 3))
         self.assertEqual(result.cameras.lens.shape, (6, 3))
         self.assertTrue(cloud.exists())
-        est = result.fitted.estimator()
+        est, _, _ = result.fitted.estimator()
         self.assertAlmostEqual(est.rss / result.final_rss, 1, places=9)
 
     def test_replay(self):
@@ -317,20 +319,20 @@ class Readers(Checks):
         e = graph.edges
         a, b = graph.poses[int(e.i[7])], graph.poses[int(e.j[7])]
         self.assertEqual((a.inverse() * b).boxminus(e.measured[7]).shape, (3,))
-        est = graph.estimator()
-        self.assertEqual(len(est.poses), 400)
+        est, poses, landmarks = graph.estimator()
+        self.assertEqual((len(poses), len(landmarks)), (400, 0))
         self.assertTrue(est.optimize().converged)
 
     def costs(self, file, init="file"):
         """Compares the final cost with that of the command."""
-        est = slom.read_g2o(file, init).estimator()
+        est, poses, _ = slom.read_g2o(file, init).estimator()
         fit = est.optimize()
         self.assertTrue(fit.converged)
         self.assertTrue(all(kind.derivatives == "exact" for kind in fit.kinds))
         if HAS_COMMAND:
             result = slom.graph(file, init=init)
             self.assertAlmostEqual(fit.final_rss / result.final_rss, 1, delta=1e-9)
-            np.testing.assert_allclose(est.poses.value.pos, result.poses.pos, atol=1e-3)
+            np.testing.assert_allclose(poses.value.pos, result.poses.pos, atol=1e-3)
 
     def test_costs_of_graphs_are_the_commands(self):
         self.costs(TOWN, "chordal")
@@ -356,9 +358,9 @@ class Readers(Checks):
         self.assertEqual(graph.warnings, ["skipped 1 line with the unknown tag VERTEX_CAM"])
         self.costs(file)
         self.costs(self.written("fixed.g2o", plane + "FIX 3\nFIX 9\n"))
-        fixed = slom.read_g2o(self.folder / "fixed.g2o").estimator()
-        fixed.optimize()
-        np.testing.assert_array_equal(fixed.poses.value.pos[[0, 2]], [[0, 0], [2, 0.5]])
+        est, poses, _ = slom.read_g2o(self.folder / "fixed.g2o").estimator()
+        est.optimize()
+        np.testing.assert_array_equal(poses.value.pos[[0, 2]], [[0, 0], [2, 0.5]])
 
         rows = [" ".join(["1"] + ["0.1"] * (5 - k)) for k in range(6)]
         full6, full = " ".join(rows).replace("1 ", "3 ", 1), "1 0.1 0.2 2 0.3 3"
@@ -379,7 +381,8 @@ class Readers(Checks):
         np.testing.assert_allclose(graph.poses[1].pos, [1, 0], atol=0.2)  # found, as the file has none
         best = slom.read_g2o(TOWN, init="auto").poses.numbers
         np.testing.assert_array_equal(slom.read_g2o(TOWN).poses.numbers, best)
-        costs = {init: slom.read_g2o(TOWN, init=init).estimator().rss for init in ("auto", "odometry", "spanning-tree", "chordal")}
+        starts = ("auto", "odometry", "spanning-tree", "chordal")
+        costs = {init: slom.read_g2o(TOWN, init=init).estimator()[0].rss for init in starts}
         self.assertEqual(min(costs.values()), costs["auto"])
         if HAS_COMMAND:
             for init, cost in costs.items():
@@ -404,7 +407,7 @@ class Readers(Checks):
 
     def test_costs_of_bundles_are_the_commands(self):
         for file in (SCENE, shared("bal/problem-49-7776-pre.txt")):
-            est = slom.read_bal(file).estimator()
+            est, _, _ = slom.read_bal(file).estimator()
             fit = est.optimize(decrease_tolerance=1e-5, deviation_tolerance=np.inf)
             self.assertEqual(fit.kinds[0].derivatives, "exact")
             if HAS_COMMAND:
@@ -415,11 +418,11 @@ class Readers(Checks):
         self.assertEqual(len(slom.read_bal(packed).points), 61203)
 
     def test_losses(self):
-        robust = slom.read_g2o(TOWN).estimator(loss=slom.Huber(1.345))
+        robust, _, _ = slom.read_g2o(TOWN).estimator(loss=slom.Huber(1.345))
         cost = robust.optimize().final_rss
         if HAS_COMMAND:
             self.assertAlmostEqual(cost / slom.graph(TOWN, robust="huber:1.345").final_rss, 1, places=9)
-        self.assertTrue(slom.read_bal(SCENE).estimator(loss=slom.Huber(1.0)).optimize().converged)
+        self.assertTrue(slom.read_bal(SCENE).estimator(loss=slom.Huber(1.0))[0].optimize().converged)
 
     def test_bad_files(self):
         bad = self.written("bad.g2o", LOOP + "EDGE_SE2 2 x\n")
