@@ -14,7 +14,9 @@ namespace {
 [[noreturn]] void refuse(const std::string& file) {
   throw mtk::Error(
       "slom.no-readers",
-      file + ": this package was built without the readers of files; install fmt and build it again", file);
+      file +
+          ": this package was built without the readers of files; install fmt, and build it with SLOM_BUILD_IO",
+      file);
 }
 
 }  // namespace
