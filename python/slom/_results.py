@@ -68,11 +68,11 @@ class GraphFit(Result):
 
     @property
     def poses(self) -> Optional[Rows]:
-        return self.fitted and self.fitted.poses
+        return self.fitted.poses if self.fitted else None
 
     @property
     def landmarks(self) -> Optional[np.ndarray]:
-        return self.fitted and self.fitted.landmarks
+        return self.fitted.landmarks if self.fitted else None
 
 
 class BundleFit(Result):
@@ -82,11 +82,11 @@ class BundleFit(Result):
 
     @property
     def cameras(self) -> Optional[Rows]:
-        return self.fitted and self.fitted.cameras
+        return self.fitted.cameras if self.fitted else None
 
     @property
     def points(self) -> Optional[np.ndarray]:
-        return self.fitted and self.fitted.points
+        return self.fitted.points if self.fitted else None
 
 
 class Replay(Result):
