@@ -4,7 +4,7 @@ import time
 import numpy as np
 import slom
 
-from problems import circle, path_of, read_bundle, read_graph
+from problems import circle, path_of
 
 
 def fitted(est, start, **options):
@@ -21,39 +21,23 @@ def fitted(est, start, **options):
 
 
 def graph(data, name):
-    problem = read_graph(path_of(data, name))
-    planar = problem.poses.shape[1] == 3
+    problem = slom.read_g2o(path_of(data, name))
     start = time.perf_counter()
-    rows = lambda numbers: slom.Rows(numbers, like=slom.SE2 if planar else slom.SE3)  # noqa: E731
     est = slom.Estimator()
-    poses = est.variables(rows(problem.poses), "pose")
+    poses, edges = est.variables(problem.poses, "pose"), problem.edges
     poses[0].fix()
-    est.measure(lambda a, b: a.inverse() * b, poses[problem.i], poses[problem.j], measured=rows(problem.measured),
-                information=problem.information)
+    est.measure(lambda a, b: a.inverse() * b, poses[edges.i], poses[edges.j], measured=edges.measured,
+                information=edges.information_in_i)
     return fitted(est, start, deviation_tolerance=1e-4)  # the command's
 
 
-@slom.manifold
-class Camera:
-    pose: slom.SE3
-    lens: np.ndarray
-
-
-def project(camera, point):
-    p = camera.pose * point
-    u = -p[:2] / p[2]
-    r2 = u @ u
-    f, k1, k2 = camera.lens
-    return f * (1 + r2 * (k1 + r2 * k2)) * u
-
-
 def bundle(data, name, tolerance):
-    problem = read_bundle(path_of(data, name))
+    problem = slom.read_bal(path_of(data, name))
     start = time.perf_counter()
     est = slom.Estimator()
-    cameras = est.variables(slom.Rows(problem.cameras, like=Camera(slom.SE3(), np.zeros(3))), "camera")
+    cameras = est.variables(problem.cameras, "camera")
     points = est.variables(problem.points, "point")
-    est.measure(project, cameras[problem.i], points[problem.j], measured=problem.pixels)
+    est.measure(slom.BalCamera.project, cameras[problem.i], points[problem.j], measured=problem.pixels)
     est.use_algorithm("lm", memory=0.1)
     # The options are the command's.
     return fitted(est, start, decrease_tolerance=tolerance, deviation_tolerance=np.inf, max_iterations=100)

@@ -1,7 +1,8 @@
-"""The problems of fits.py, read with NumPy."""
+"""The problems of fits.py."""
 import os
 
 import numpy as np
+import slom
 
 
 class Graph:
@@ -10,30 +11,9 @@ class Graph:
 
 
 def read_graph(path):
-    vertices, edges = [], []
-    with open(path) as lines:
-        for line in lines:
-            words = line.split()
-            if words and words[0].startswith("VERTEX"):
-                vertices.append(words[1:])
-            elif words and words[0].startswith("EDGE"):
-                edges.append(words[1:])
-    vertices, edges = np.array(vertices, float), np.array(edges, float)
-    graph = Graph()
-    width = vertices.shape[1] - 1
-    m = 3 if width == 3 else 6
-    graph.poses = np.ascontiguousarray(vertices[:, 1:])
-    index = {int(vertex): k for k, vertex in enumerate(vertices[:, 0])}
-    graph.i, graph.j = (np.array([index[int(k)] for k in edges[:, c]]) for c in (0, 1))
-    graph.measured = np.ascontiguousarray(edges[:, 2 : 2 + width])
-    graph.information = np.zeros((len(edges), m, m))
-    upper = np.triu_indices(m)
-    graph.information[:, upper[0], upper[1]] = edges[:, 2 + width :]
-    graph.information[:, upper[1], upper[0]] = edges[:, 2 + width :]
-    turn = np.tile(np.eye(m), (len(edges), 1, 1))
-    n = m // 3 + 1
-    turn[:, :n, :n] = rotations(graph.measured)
-    graph.information = turn @ graph.information @ turn.transpose(0, 2, 1)
+    file, graph = slom.read_g2o(path), Graph()
+    graph.poses, graph.measured = file.poses.numbers, file.edges.measured.numbers
+    graph.i, graph.j, graph.information = file.edges.i, file.edges.j, file.edges.information_in_i
     return graph
 
 
@@ -46,26 +26,6 @@ def rotations(poses):
             [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
     return np.array(rows).transpose(2, 0, 1)
-
-
-class Bundle:
-    """Rows of `cameras` are x, y, z, qx, qy, qz, qw, f, k1, k2."""
-
-
-def read_bundle(path):
-    with open(path) as file:
-        cameras, points, observations = map(int, file.readline().split())
-        numbers = np.array(file.read().split(), float)
-    bundle = Bundle()
-    seen, rest = numbers[: 4 * observations].reshape(-1, 4), numbers[4 * observations :]
-    bundle.i, bundle.j = seen[:, 0].astype(int), seen[:, 1].astype(int)
-    bundle.pixels = np.ascontiguousarray(seen[:, 2:])
-    rows = rest[: 9 * cameras].reshape(-1, 9)
-    angle = np.linalg.norm(rows[:, :3], axis=1)[:, None]
-    axis = rows[:, :3] * np.sinc(angle / (2 * np.pi)) / 2
-    bundle.cameras = np.hstack([rows[:, 3:6], axis, np.cos(angle / 2), rows[:, 6:]])
-    bundle.points = np.ascontiguousarray(rest[9 * cameras :].reshape(-1, 3))
-    return bundle
 
 
 def circle(n=100000):

@@ -11,8 +11,10 @@ from . import _functions  # tells NumPy what to do with recorded numbers
 from ._array import array
 from ._curve_fit import CurveFit, curve_fit
 from ._error import Error, SlowFunctionWarning
+from ._files import BalCamera, Bundle, PoseGraph, read_bal, read_g2o
 from ._manifold import manifold
 from ._propagated import Propagated
+from ._results import BundleFit, Calibration, GraphFit, Replay, bundle, calibrate, graph, replay
 from ._slom import (
     Barron,
     Cauchy,
@@ -46,9 +48,17 @@ from ._slom import (
 )
 from ._where import where
 
+read_archive = load
+
 __all__ = [
     "array",
+    "BalCamera",
     "Barron",
+    "Bundle",
+    "bundle",
+    "BundleFit",
+    "calibrate",
+    "Calibration",
     "Cauchy",
     "Clustered",
     "Condition",
@@ -61,6 +71,8 @@ __all__ = [
     "Fit",
     "FixedLag",
     "GemanMcClure",
+    "graph",
+    "GraphFit",
     "Huber",
     "IntervalTable",
     "load",
@@ -68,9 +80,15 @@ __all__ = [
     "Measurements",
     "Number",
     "OutlierReport",
+    "PoseGraph",
     "Preflight",
     "Propagated",
     "PseudoHuber",
+    "read_archive",
+    "read_bal",
+    "read_g2o",
+    "Replay",
+    "replay",
     "Rows",
     "S2",
     "SE2",

@@ -27,6 +27,7 @@
 
 #include "alone.hpp"
 #include "documentation.hpp"
+#include "files.hpp"
 #include "manifolds.hpp"
 #include "measure.hpp"
 #include "plain_function.hpp"
@@ -256,6 +257,7 @@ NB_MODULE(_slom, module) {
   bindManifolds(module);
   bindRows(module);
   bindVariables(module);
+  bindFiles(module);
 
   nb::class_<Estimator> estimator(module, "Estimator", doc::kEstimator);
   bindMeasure(module, estimator);
