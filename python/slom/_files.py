@@ -92,8 +92,7 @@ class PoseGraph:
 
         def measure(f, name, edges, information, *arguments):
             if len(edges):
-                noise: Dict[str, Any] = {} if loss is None else {"loss": loss}
-                est.measure(f, *arguments, measured=edges.measured, information=information, name=name, **noise)
+                est.measure(f, *arguments, measured=edges.measured, information=information, name=name, loss=loss)
 
         e, s, b, x, p = self.edges, self.sightings, self.bearings, self.pose_priors, self.position_priors
         measure(lambda a, b: a.inverse() * b, "edge", e, e.information_in_i, poses[e.i], poses[e.j])
@@ -167,9 +166,7 @@ class Bundle:
         `slom bundle`, and the variables of cameras and of points. Place, rotation and scale of the whole are free."""
         est = Estimator()
         cameras, points = est.variables(self.cameras, "camera"), est.variables(self.points, "point")
-        noise: Dict[str, Any] = {} if loss is None else {"loss": loss}
-        seen = cameras[self.i], points[self.j]
-        est.measure(BalCamera.project, *seen, measured=self.pixels, name="observation", **noise)
+        est.measure(BalCamera.project, cameras[self.i], points[self.j], measured=self.pixels, name="observation", loss=loss)
         est.use_algorithm("lm", memory=0.1)
         return est, cameras, points
 

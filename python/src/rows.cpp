@@ -99,6 +99,13 @@ nb::object rowWise(const Rows& rows, nb::handle other, const F& f) {
   return toPython(rowsOf(results, "the result of an operation of Rows"));
 }
 
+/// Returns whether the values have an attribute such as `angle` that is no method.
+bool hasProperty(const Rows& rows, const std::string& name) {
+  if (rows.size() == 0 || name.front() == '_') return false;
+  const nb::object first = rows.type->value(rows.row(0));
+  return nb::hasattr(first, name.c_str()) && !PyCallable_Check(nb::object(first.attr(name.c_str())).ptr());
+}
+
 template <class Class>
 void defineOperator(Class& c, const char* name, const char* reflected) {
   const auto apply = [](const char* function, nb::handle a, nb::handle b) {
@@ -148,6 +155,9 @@ void bindRows(nb::module_& module) {
       .def("__getattr__",
            [](const Rows& rows, const std::string& name) {
              const auto [type, first] = rows.type->member(name);
+             if (type == nullptr && hasProperty(rows, name))
+               return rowWise(rows, nb::none(),
+                              [&](nb::handle own, nb::handle) { return nb::object(own.attr(name.c_str())); });
              if (type == nullptr)
                throw nb::attribute_error(
                    ("Rows of " + rows.type->runtime()->name() + " have no member " + name).c_str());

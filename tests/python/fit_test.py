@@ -320,6 +320,10 @@ class Fits(unittest.TestCase):
             np.testing.assert_allclose((rows - others)[i], a[i] - b[i], atol=1e-14)
             np.testing.assert_allclose((rows * points)[i], a[i] * points[i], atol=1e-14)
             np.testing.assert_allclose((rows * p)[i], a[i] * p, atol=1e-14)
+        np.testing.assert_allclose(rows.orient.coefficients[2], a[2].orient.coefficients, atol=1e-15)
+        np.testing.assert_allclose(slom.Rows([slom.SE2(1, 2, 0.5)]).orient.angle, [0.5])
+        with self.assertRaisesRegex(AttributeError, "no member angles"):
+            rows.orient.angles
         with self.assertRaisesRegex(slom.Error, "same number of rows"):
             rows * slom.Rows(b[:3])
 
