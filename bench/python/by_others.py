@@ -1,4 +1,4 @@
-"""The jobs of fits.py that other programs do: SciPy, CasADi and GTSAM."""
+"""The jobs of fits.py that other programs do: SciPy, CasADi, JAX, SymForce and GTSAM."""
 import os
 import time
 
@@ -88,10 +88,9 @@ def casadi_graph(data, name):
     """Gauss-Newton with exact derivatives of an edge from CasADi's virtual machine, mapped over all edges. SuperLU
     solves the system."""
     import casadi
-    from scipy.sparse.linalg import splu
 
     graph = PlanarGraph(read_graph(path_of(data, name)))
-    p, x = graph.problem, graph.start()
+    p = graph.problem
     start = time.perf_counter()
     ab, z = casadi.SX.sym("ab", 6), casadi.SX.sym("z", 3)
     W = casadi.SX.sym("W", 3, 3)
@@ -102,13 +101,51 @@ def casadi_graph(data, name):
     edge = casadi.Function("edge", [ab, z, W], [r, casadi.densify(casadi.jacobian(r, ab))]).map(len(p.i))
     z_all = p.measured.T
     W_all = graph.whiten.transpose(1, 0, 2).reshape(3, -1)
-    ready = time.perf_counter()
 
     def evaluate(x):
         poses = graph.poses(x)
         r, J = edge(np.hstack([poses[p.i], poses[p.j]]).T, z_all, W_all)
         return np.array(r).T.ravel(), np.array(J).reshape(3, -1, 6).transpose(1, 0, 2)
 
+    return gauss_newton(graph, evaluate, start)
+
+
+def jax_graph(data, name):
+    """Gauss-Newton with exact derivatives of an edge from JAX, compiled for all edges: the compilation is the insertion.
+    SuperLU solves the system."""
+    os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+    import jax
+    import jax.numpy as jnp
+
+    jax.config.update("jax_enable_x64", True)
+    graph = PlanarGraph(read_graph(path_of(data, name)))
+    p = graph.problem
+    start = time.perf_counter()
+
+    def edge(ab, z, W):
+        c, s = jnp.cos(ab[2]), jnp.sin(ab[2])
+        dx, dy, turn = ab[3] - ab[0], ab[4] - ab[1], ab[5] - ab[2] - z[2]
+        turn = jnp.arctan2(jnp.sin(turn), jnp.cos(turn))
+        r = W @ jnp.array([c * dx + s * dy - z[0], c * dy - s * dx - z[1], turn])
+        return r, r
+
+    edges = jax.jit(jax.vmap(jax.jacfwd(edge, has_aux=True)))
+
+    def evaluate(x):
+        poses = graph.poses(x)
+        J, r = edges(np.hstack([poses[p.i], poses[p.j]]), p.measured, graph.whiten)
+        return np.asarray(r).ravel(), np.asarray(J)
+
+    evaluate(graph.start())  # compiles
+    return gauss_newton(graph, evaluate, start)
+
+
+def gauss_newton(graph, evaluate, start):
+    """Fits the graph. `evaluate` returns residuals and derivatives; it was made since `start`."""
+    from scipy.sparse.linalg import splu
+
+    ready = time.perf_counter()
+    x = graph.start()
     r, J = evaluate(x)
     rss, iterations = r @ r, 0
     while iterations < 100:
@@ -120,6 +157,39 @@ def casadi_graph(data, name):
             break
     end = time.perf_counter()
     return {"wall": end - ready, "insert": ready - start, "rss": float(rss), "iterations": iterations}
+
+
+def symforce_graph(data, name):
+    """SymForce's own Levenberg-Marquardt, with a function of an edge that it generates when the fit begins."""
+    import symforce
+
+    symforce.set_log_level("ERROR")
+    import symforce.symbolic as sf
+    from symforce.opt.factor import Factor
+    from symforce.opt.optimizer import Optimizer
+    from symforce.values import Values
+
+    graph = PlanarGraph(read_graph(path_of(data, name)))
+    p = graph.problem
+
+    def edge(a: sf.Pose2, b: sf.Pose2, z: sf.V3, W: sf.M33, epsilon: sf.Scalar) -> sf.V3:
+        back = a.R.inverse()
+        t = back * (b.t - a.t)
+        turn = (sf.Rot2.from_angle(z[2]).inverse() * (back * b.R)).to_tangent(epsilon)[0]
+        return W * sf.V3(t[0] - z[0], t[1] - z[1], turn)
+
+    poses, measured, whiten = p.poses.tolist(), p.measured.tolist(), graph.whiten.tolist()
+    start = time.perf_counter()
+    factors = [Factor(residual=edge, keys=[f"p[{i}]", f"p[{j}]", f"z[{k}]", f"W[{k}]", "epsilon"])
+               for k, (i, j) in enumerate(zip(p.i.tolist(), p.j.tolist()))]
+    optimizer = Optimizer(factors=factors, optimized_keys=[f"p[{k}]" for k in range(1, len(poses))],
+                          params=Optimizer.Params(iterations=50, verbose=False, early_exit_min_reduction=1e-9))
+    values = Values(epsilon=1e-12, p=[sf.Pose2(sf.Rot2.from_angle(x[2]), sf.V2(*x[:2])) for x in poses],
+                    z=[sf.V3(*z) for z in measured], W=[sf.M33(W) for W in whiten])
+    ready = time.perf_counter()
+    result = optimizer.optimize(values)
+    end = time.perf_counter()
+    return {"wall": end - ready, "insert": ready - start, "rss": 2 * result.error(), "iterations": len(result.iterations)}
 
 
 def gtsam_graph(data, name, factor):
@@ -182,6 +252,8 @@ def job(name, data):
     program, kind, *rest = name.split(":")
     if program == "casadi":
         return casadi_graph(data, kind)
+    if program in ("jax", "symforce"):
+        return (jax_graph if program == "jax" else symforce_graph)(data, kind)
     if program == "gtsam":
         return gtsam_graph(data, kind, *rest)
     return scipy_circle(*rest) if kind == "circle" else scipy_graph(data, kind, *rest)

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Measures fits from Python beside the command `slom`, SciPy, CasADi and GTSAM, on one thread. Prints Markdown.
+"""Measures fits from Python beside the command `slom`, SciPy, CasADi, JAX, SymForce and GTSAM, on one thread. Prints Markdown.
 
     PYTHONPATH=build/py/python python bench/python/fits.py --command SLOM --tape BENCH_TAPE [--json FILE]
 
 Programs take turns. Each run has a process of its own; the least time of the rounds counts. A peer that is not
-installed is left out: pip install scipy casadi gtsam. Without --command and --tape their numbers are absent."""
+installed is left out: pip install scipy casadi jax symforce gtsam. Without --command and --tape their numbers are absent."""
 import argparse
 import json
 import os
@@ -18,9 +18,9 @@ HERE = os.path.dirname(os.path.realpath(__file__))
 DATA = os.path.join(HERE, "..", "..", "..", "shared", "data")
 BAL = "problem-49-7776-pre"
 TOLERANCES = ["1e-5", "1e-12"]  # of bundles: the command's, and one that only the limit of 100 iterations precedes
-OTHERS = ["scipy", "casadi", "gtsam"]
+OTHERS = ["scipy", "casadi", "jax", "symforce", "gtsam"]
 JOBS = ["graph:sphere2500", "graph:intel", *(f"bundle:{BAL},{t}" for t in TOLERANCES), "small", "million", "circle"]
-PEERS = ["scipy:circle:lsmr", "scipy:circle:exact", "scipy:intel:numeric", "scipy:intel:by hand", "casadi:intel",
+PEERS = ["scipy:circle:lsmr", "scipy:circle:exact", "scipy:intel:numeric", "scipy:intel:by hand", "casadi:intel", "jax:intel", "symforce:intel",
          "gtsam:sphere2500:custom", "gtsam:sphere2500:between"]
 
 
@@ -103,7 +103,7 @@ def tables(results):
     print("* From the first `measure` to the end of the first iteration, 20 points, new process: "
           f"{ms(results['small']['seconds'])} ms.\n")
     rows = []
-    for job in ["circle", *PEERS[:2], "graph:intel", *PEERS[2:5], "graph:sphere2500", *PEERS[5:]]:
+    for job in ["circle", *PEERS[:2], "graph:intel", *PEERS[2:7], "graph:sphere2500", *PEERS[7:]]:
         run = results.get(job)
         if not run:
             continue

@@ -35,6 +35,31 @@ BY_HAND = {  # whose tests compare the text in parts
     "slom.unmeasured-variable": ("no measurement depends on variable lonely, so nothing determines it",
                                  "add measurements or fix it with fix(id)"),
 }
+BY_HAND_PYTHON = {  # of the Python package
+    "slom.ambiguous-rows": ("argument 3 of the measurement function has one dimension, so it is 2 rows of one number each, but a vector of 2 numbers "
+                            "meets it there", "pass x[None] for one row with the vector x, or x[:, None] for 2 rows"),
+    "slom.bad-argument": ("a key of a group is a NoneType", "pass integers or strings"),
+    "slom.bad-operand": ("an SO3 is compared with a value of type float", "compare it with another SO3"),
+    "slom.bad-residual": ("the measurement function returned None", "end it with `return` and the residual"),
+    "slom.bad-value": ("the start value of x has a number that is not finite", "pass finite numbers"),
+    "slom.cannot-read": ("the file problem.slom cannot be read", "check its name and permissions"),
+    "slom.in-use": ("the estimator is in the middle of another call, such as a fit, from another thread or from the function that calls this now",
+                    "wait for its end, or use a copy made by est.clone()"),
+    "slom.command-failed": ("slom graph ended by signal 9 and no message", "please report it"),
+    "slom.no-command": ("the program slom is not at slom/bin/slom, because the package was built without it",
+                        "install the libraries that docs/start/install.md lists for the command, and build the package again"),
+    "slom.no-readers": ("town.g2o: this package was built without the readers of files", "install fmt, and build it with SLOM_BUILD_IO"),
+    "slom.not-fitted": ("the curve is not fitted: iteration limit reached", "pass better start values p0"),
+    "slom.not-picklable": ("an estimator cannot be pickled", "write it by est.save(file) and read it by slom.load(file), or copy it by est.clone()"),
+    "slom.same-name": ("several fitted components are called x, but these values are found by name", "give each variable its own name"),
+    "slom.traced-differs": ("the measurement function model gives 1.0 where its recorded formula gives 2.0, so it depends on more than its arguments, "
+                            "or branches", "pass all it depends on as arguments, and write slom.where in place of `if`"),
+    "slom.wrong-jacobian": ("the function `jacobian` returns an array of shape (2, 3) for 1 residuals and 1 components of the variables",
+                            "return the shape (1, 1), or a list with a block for each variable"),
+    "slom.wrong-length": ("the measurement function returns 3 numbers for row 7 and 2 for row 0",
+                          "return the same number for each row, or measure the rows in several calls"),
+    "slom.wrong-shape": ("sigma has the shape (2,) for 3 rows with residuals of length 1", "pass a number, or one for each row (3,)"),
+}
 LITERAL = r'"(?:[^"\\\n]|\\.)*"'
 LITERALS = re.compile(rf"{LITERAL}(?:\s*{LITERAL}|\s*\+\s*[a-z_]+\s*\+\s*{LITERAL})*")  # with names of variables between them
 HEADINGS = [("mtk.", "Manifolds"), ("slom.calibration.", "Calibration"), ("slom.io.", "Files"), ("slom.", "Estimator")]
@@ -76,9 +101,28 @@ def all_messages():
     return {name: sentences for name, sentences in found.items() if sentences}
 
 
+def python_messages():
+    """{id: its messages} of the tests of the Python package"""
+    found = {}
+    source = (ROOT / "tests/python/numpy_test.py").read_text(encoding="utf-8")
+    for name, sentence in re.findall(rf"^\[({ID})\] ((?:.*\\\n)*.*)$", source, re.MULTILINE):
+        found.setdefault(name, []).append(sentence.replace("\\\n", "").replace("NAME", "np.sort"))
+    return found
+
+
+def ids_of_python():
+    """The ids of the Python package."""
+    found = set()
+    for path in (ROOT / "python").rglob("*.*"):
+        if path.suffix in (".cpp", ".hpp", ".py"):
+            source = path.read_text(encoding="utf-8")
+            found.update(re.findall(rf'Error\(\s*"({ID})"', source) + re.findall(rf'"\[({ID})\] ', source))
+    return found
+
+
 def ids_of_sources():
     """The ids that stand whole in the sources of the libraries and of the command."""
-    found = set()
+    found = ids_of_python()
     for folder in ("include", "src", "apps"):
         for path in (ROOT / folder).rglob("*.[ch]pp"):
             found.update(re.findall(rf'"({ID})"', path.read_text(encoding="utf-8")))
@@ -94,6 +138,11 @@ def parts(sentence):
     return (fault, remedy) if separator else (sentence, "")
 
 
+def entry(name, rows):
+    text = f"\n### {name}\n\n| fault | remedy |\n| --- | --- |\n"
+    return text + "".join(f"| {escaped(fault)} | {escaped(remedy)} |\n" for fault, remedy in rows)
+
+
 def page():
     known = {name: [] for name in BY_HAND} | all_messages()
     text = TEXT
@@ -103,9 +152,11 @@ def page():
         listed.update(names)
         text += f"\n## {heading}\n"
         for name in names:
-            text += f"\n### {name}\n\n| fault | remedy |\n| --- | --- |\n"
-            for fault, remedy in [parts(sentence) for sentence in known[name][:MOST_MESSAGES]] or [BY_HAND[name]]:
-                text += f"| {escaped(fault)} | {escaped(remedy)} |\n"
+            text += entry(name, [parts(sentence) for sentence in known[name][:MOST_MESSAGES]] or [BY_HAND[name]])
+    python = BY_HAND_PYTHON | python_messages()
+    text += "\n## Python\n\nThe errors of the [Python package](python.md). It raises those above as well.\n"
+    for name in sorted(python.keys() - listed):
+        text += entry(name, [python[name]] if name in BY_HAND_PYTHON else map(parts, python[name][:MOST_MESSAGES]))
     return text
 
 

@@ -4,14 +4,17 @@
 
 Pages keep their text. Of their relative links those to pages become links to pages of the site, those to other files of the repository
 links to a page that shows the file, and those to folders links to the README.md in them. FOLDER is replaced.
-`pages_of_site`, `links`, `slug` and `anchors` are also what tests/docs checks the Markdown with.
+`pages_of_site`, `text_of`, `links`, `slug` and `anchors` are also what tests/docs checks the Markdown with.
 """
+import itertools
 import os
 import pathlib
 import re
 import shutil
 import sys
 import textwrap
+
+import notebook
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^ {0,3}(```+|~~~+)")
@@ -24,12 +27,19 @@ PICTURES = {".svg", ".png", ".jpg"}
 
 def pages_of_site():
     """{page of the repository: name of the page in the site}, both with .md and relative to ROOT or the site."""
-    pages = {"README.md": "overview.md", "CHANGELOG.md": "changes.md", "bench/README.md": "benchmark_programs.md"}
+    pages = {"README.md": "overview.md", "CHANGELOG.md": "changes.md", "bench/README.md": "benchmark_programs.md",
+             "examples/python/first_fits.ipynb": "first_fits.md"}
     for path in sorted((ROOT / "docs").rglob("*.md")):
         name = path.relative_to(ROOT / "docs").as_posix()
         if not name.startswith("site/"):
             pages[f"docs/{name}"] = re.sub(r"(^|/)README\.md$", r"\1index.md", name)
     return pages
+
+
+def text_of(page):
+    """The Markdown of a page of the repository."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    return notebook.markdown(text) if page.endswith(".ipynb") else text
 
 
 def lines_outside_code(text):
@@ -49,8 +59,9 @@ def lines_outside_code(text):
 
 
 def replaced_links(text, replacement):
-    """The text with replacement(is picture, text, target) for each link outside of code, where that is not None."""
-    def in_line(line):
+    """The text with replacement(is picture, text, target) for each link outside of code, where that is not None. The text of a link
+    may go on in the next line."""
+    def in_paragraph(lines):
         codes = []
         def hide(match):
             codes.append(match.group(0))
@@ -60,8 +71,10 @@ def replaced_links(text, replacement):
         def one(match):
             new = replacement(match.group(1) == "!", show(match.group(2)), match.group(3))
             return match.group(0) if new is None else new
-        return show(LINK.sub(one, INLINE_CODE.sub(hide, line)))
-    return "\n".join(in_line(line) if outside else line for line, outside in lines_outside_code(text))
+        return show(LINK.sub(one, INLINE_CODE.sub(hide, lines)))
+    paragraphs = itertools.groupby(lines_outside_code(text), lambda line: line[1] and bool(line[0].strip()))
+    joined = ((is_text, "\n".join(line for line, _ in lines)) for is_text, lines in paragraphs)
+    return "\n".join(in_paragraph(lines) if is_text else lines for is_text, lines in joined)
 
 
 def with_code_at_the_margin(text):
@@ -150,7 +163,7 @@ class Site:
             if words.strip("`").endswith(".md"):
                 words = title(ROOT / path)
             return f"[{words}]({relative}{'#' + anchor if anchor else ''})"
-        text = (ROOT / page).read_text(encoding="utf-8")
+        text = text_of(page)
         if os.path.basename(name) == "index.md":
             text += self.contents(page, name, text)
         return replaced_links(with_code_at_the_margin(text), link)

@@ -43,6 +43,8 @@ MTK_DUAL_FUNCTION(acosh, detail::chainOrZero(argument, f, S(S(1) / sqrt(S((x - S
 MTK_DUAL_FUNCTION(atanh, detail::chainOrZero(argument, f, S(S(1) / ((S(1) - x) * (S(1) + x)))))
 MTK_DUAL_FUNCTION(erf,
                   detail::chain(argument, f, S(S(1.1283791670955125738961589031215452L) * exp(S(-x * x)))))
+MTK_DUAL_FUNCTION(erfc,
+                  detail::chain(argument, f, S(S(-1.1283791670955125738961589031215452L) * exp(S(-x * x)))))
 MTK_DUAL_FUNCTION(floor, (SparseDual<S, C>(f)))
 MTK_DUAL_FUNCTION(ceil, (SparseDual<S, C>(f)))
 MTK_DUAL_FUNCTION(round, (SparseDual<S, C>(f)))

@@ -43,6 +43,7 @@ from ._slom import (
     Variable,
     VariableArray,
     VarianceComponents,
+    __version__,
     load,
 )
 from ._where import where

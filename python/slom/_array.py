@@ -4,6 +4,7 @@ import numbers
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._refused import refuse
 from ._slom import Condition, Error, Number
@@ -53,8 +54,16 @@ for _name in ("argmax", "argmin", "argsort", "sort", "searchsorted", "partition"
     setattr(Array, _name, _refused_method(_name))
 
 
-def array(values: Any) -> Any:
-    """Returns numpy.array(values). Entries may be recorded numbers, which np.array would keep as mere objects."""
+def array(values: Any) -> NDArray[np.float64]:
+    """Returns numpy.array(values). Entries may be recorded numbers, which np.array would keep as mere objects.
+
+    Measurement functions make arrays of the numbers that they compute by it:
+
+    >>> def polar(point):
+    ...     return slom.array([np.hypot(point[0], point[1]), np.arctan2(point[1], point[0])])
+    >>> print(polar(np.array([0.0, 2.0])).round(3))
+    [2.    1.571]
+    """
     a = np.array(values)
     return recorded(a) if a.dtype == object else a
 

@@ -1,5 +1,6 @@
 import inspect
-from typing import Any, Callable, Iterator, Optional, Sequence, Tuple
+import warnings
+from typing import Any, Callable, Dict, Iterator, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,22 +18,44 @@ class CurveFit:
     fit          the report: chi-square, warnings, correlations
     """
 
-    def __init__(self, estimator: Estimator, variables: Sequence[Variable], fit: Fit) -> None:
-        self.estimator, self.variables, self.fit = estimator, variables, fit
+    def __init__(
+        self, f: Callable[..., Any], estimator: Estimator, variables: Sequence[Variable], fit: Fit
+    ) -> None:
+        self.f, self.estimator, self.variables, self.fit = f, estimator, variables, fit
         self.names = [x.name for x in variables]
         self.popt = np.array([x.value for x in variables])
-        self.pcov = estimator.covariance(variables)
+        self.pcov = self._covariance()
+        self._unpacked: Tuple[Any, ...] = (self.popt, self.pcov)
+
+    def _covariance(self) -> np.ndarray:
+        try:
+            return self.estimator.covariance(self.variables)
+        except Error as error:
+            if error.id != "slom.no-redundancy":
+                raise
+            warnings.warn(
+                "there are as many parameters as data, so nothing is left to estimate the errors from, and pcov is "
+                "infinite; pass sigma and absolute_sigma=True",
+                stacklevel=4,
+            )
+            return np.full((len(self.variables), len(self.variables)), np.inf)
 
     @property
     def perr(self) -> np.ndarray:
         return np.sqrt(np.diag(self.pcov))
 
-    def __iter__(self) -> Iterator[np.ndarray]:
-        return iter((self.popt, self.pcov))
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._unpacked)
 
     def __getitem__(self, name: str) -> Variable:
         """Returns the variable of a parameter: curve["a"].value, curve["a"].std."""
+        if name not in self.names:
+            raise KeyError(f"there is no parameter {name!r}; the parameters are {', '.join(self.names)}")
         return self.variables[self.names.index(name)]
+
+    def predict(self, x: ArrayLike) -> Any:
+        """Returns the fitted curve at x: f(x, *popt)."""
+        return self.f(np.asarray(x, float), *self.popt)
 
     def profile(self, name: str, probability: float = 0.95) -> Interval:
         """Returns the profile likelihood interval of a parameter."""
@@ -42,8 +65,8 @@ class CurveFit:
         """Returns the profile likelihood intervals of all parameters."""
         return self.estimator.intervals(probability)
 
-    def plot(self, figure: Any = None) -> Any:
-        return self.fit.plot(figure)
+    def plot(self, figure: Any = None, profiles: bool = False) -> Any:
+        return self.fit.plot(figure, profiles)
 
     def __str__(self) -> str:
         return str(self.fit)
@@ -58,6 +81,10 @@ class NotFitted(Error, RuntimeError):
     """The fit of a curve has not converged."""
 
 
+class BadCurve(Error, ValueError):
+    """Data or options of a curve that cannot be used."""
+
+
 def curve_fit(
     f: Callable[..., Any],
     xdata: ArrayLike,
@@ -66,10 +93,14 @@ def curve_fit(
     sigma: Optional[ArrayLike] = None,
     absolute_sigma: bool = False,
     check_finite: bool = True,
-    bounds: Tuple[ArrayLike, ArrayLike] = (-np.inf, np.inf),
+    bounds: Any = (-np.inf, np.inf),
     *,
     names: Optional[Sequence[str]] = None,
+    method: Optional[str] = None,
+    jac: Any = None,
+    full_output: bool = False,
     nan_policy: Optional[str] = None,
+    maxfev: Optional[int] = None,
     loss: Optional[Loss] = None,
     **options: Any,
 ) -> CurveFit:
@@ -80,7 +111,10 @@ def curve_fit(
     p0              start values; without them 1, or the middle of the bounds
     sigma           standard deviations, M of them, or an M x M covariance
     absolute_sigma  False: only the ratios of sigma count, and the residuals give their scale
-    bounds          (lower, upper): numbers, or one for each parameter
+    bounds          (lower, upper): numbers, or one for each parameter; or a scipy.optimize.Bounds
+    method, jac     have no effect: the derivatives are exact, and the estimator chooses the algorithm
+    full_output     True: the result unpacks to popt, pcov, infodict, message, ier, with fvec, nfev and njev in infodict
+    maxfev          the most iterations
     check_finite    has no effect: data that are not finite are refused in any case
     nan_policy      None or "raise": data that are not finite are refused. "omit": they are left out
     names           names of the parameters in reports; without them those of f's arguments
@@ -88,7 +122,25 @@ def curve_fit(
     options         those of Estimator.optimize
 
     Returns a CurveFit, which unpacks to popt, pcov. Raises an error that is a RuntimeError, too, if the fit does not
-    converge."""
+    converge, one that is a ValueError for data that cannot be used.
+
+    >>> x = np.linspace(0, 2, 5)
+    >>> y = np.array([2.52, 1.50, 0.92, 0.56, 0.33])
+    >>> curve = slom.curve_fit(lambda x, a, b: a * np.exp(-b * x), x, y, p0=[1, 1])
+    >>> popt, pcov = curve
+    >>> print(popt.round(2), curve.perr.round(2))
+    [2.51 1.01] [0.01 0.01]
+    >>> print(round(curve["b"].value, 2))
+    1.01
+    """
+    if nan_policy not in (None, "raise", "omit"):
+        raise _error(f'nan_policy is {nan_policy!r}; pass None, "raise" or "omit"', "nan_policy")
+    if maxfev is not None:
+        options["max_iterations"] = maxfev
+    unknown = sorted(set(options) - _OPTIONS)
+    if unknown:
+        raise _error(f"{unknown[0]} is no option; pass one of {', '.join(sorted(_OPTIONS))}", unknown[0])
+    bounds = (bounds.lb, bounds.ub) if hasattr(bounds, "lb") else bounds
     names = list(names) if names is not None else _names(f, None if p0 is None else np.size(p0))
     lower, upper = (np.broadcast_to(np.asarray(b, float), len(names)) for b in bounds)
     if p0 is None:
@@ -119,23 +171,45 @@ def curve_fit(
         variables.append(estimator.variable(float(value), name))
         if np.isfinite(a) or np.isfinite(b):
             variables[-1].bound(a, b)
-    noise = {"loss": loss} if loss is not None else {}
+    noise: Dict[str, Any] = {"loss": loss} if loss is not None else {}
     label = getattr(f, "__name__", "f")
     label = "f" if label == "<lambda>" else label
     joint = sigma is not None and sigma.ndim == 2
-    if not joint and _is_by_row(f, x, rows, p0):
+    if joint or not _measured_by_row(estimator, f, variables, x, rows, y, p0, {"sigma": sigma, "name": label, **noise}):
         if sigma is not None:
-            noise["sigma"] = sigma
-        function = lambda *p: f(p[-1], *p[:-1])
-        estimator.measure(function, *variables, rows, measured=y, name=label, **noise)
-    else:
-        if sigma is not None:
-            noise["covariance" if joint else "sigma"] = sigma
-        estimator.measure(lambda *p: f(x, *p), *variables, measured=y[None], name=label, **noise)
+            noise["covariance" if joint else "sigma"] = sigma if joint or not sigma.ndim else sigma[None]
+        try:
+            estimator.measure(lambda *p: f(x, *p), *variables, measured=y[None], name=label, **noise)
+        except Error as error:
+            raise BadCurve(str(error), error.subject) from error
     fit = estimator.optimize(**options)
     if not fit.converged:
-        raise NotFitted(f"[slom.not-fitted] the curve is not fitted: {fit.message}", label)
-    return CurveFit(estimator, variables, fit)
+        raise NotFitted(f"[slom.not-fitted] the curve is not fitted: {fit.message}; pass better start values p0", label)
+    curve = CurveFit(f, estimator, variables, fit)
+    if full_output:
+        info = {"fvec": np.asarray(f(x, *curve.popt), float) - y, "nfev": fit.iterations, "njev": fit.iterations}
+        curve._unpacked += (info, fit.message, 1)
+    return curve
+
+
+_OPTIONS = {
+    *("max_iterations", "max_seconds", "gradient_tolerance", "decrease_tolerance", "step_tolerance"),
+    *("deviation_tolerance", "graduated_non_convexity", "most_parameters", "observer"),
+}
+
+
+def _measured_by_row(estimator, f, variables, x, rows, y, p0, options):
+    """Adds a measurement for each row and returns True, if f computes each value from its own row and can be recorded."""
+    if not _is_by_row(f, x, rows, p0):
+        return False
+    # A row may be a number where f makes an array like x.
+    try:
+        estimator.measure(lambda *p: f(p[-1], *p[:-1]), *variables, rows, measured=y, trace=True, **options)
+    except Exception as error:
+        if getattr(error, "id", "slom.traced").startswith("slom.traced"):
+            return False
+        raise BadCurve(str(error), error.subject) from error
+    return True
 
 
 def _names(f, count):
@@ -175,4 +249,4 @@ def _is_by_row(f, x, rows, p):
 
 
 def _error(sentence, subject):
-    return Error(f"[slom.bad-argument] {sentence}", subject)
+    return BadCurve(f"[slom.bad-argument] {sentence}", subject)

@@ -4,6 +4,8 @@ import html
 
 import numpy as np
 
+from ._error import Error
+
 
 def params(self):
     """The fitted components as a pandas frame: value and standard deviation, by name."""
@@ -20,6 +22,14 @@ def uncertainties(self):
     from uncertainties import correlated_values
 
     rows = self.parameters
+    names = [p.name for p in rows]
+    twice = sorted({name for name in names if names.count(name) > 1}) if len(set(names)) < len(names) else []
+    if twice:
+        raise Error(
+            f"[slom.same-name] several fitted components are called {twice[0]}, but these values are found by name; give "
+            "each variable its own name",
+            twice[0],
+        )
     return dict(zip([p.name for p in rows], correlated_values([p.value for p in rows], self.covariance)))
 
 
@@ -54,14 +64,17 @@ def html_of_text(self):
     return f"<pre>{html.escape(str(self))}</pre>"
 
 
-def plot(self, figure=None):
+def plot(self, figure=None, profiles=False):
     """Plots the residuals of each kind of measurements beside the normal distribution, and the correlations of the
-    parameters, if there are at most 200. The outermost bars hold all residuals beyond. Returns the figure. Needs matplotlib."""
+    parameters, if there are at most 200. The outermost bars hold all residuals beyond. With profiles=True, the 95 %
+    intervals by profiles beside those by standard deviations. Returns the figure. Needs matplotlib."""
     import matplotlib.pyplot as plt
 
-    figure = figure or plt.figure(figsize=(10, 4), layout="constrained")
     names = [p.name for p in self.parameters] if self.unknowns <= 200 else []
-    left, right = figure.subplots(1, 2) if len(names) > 1 else (figure.subplots(), None)
+    count = 1 + (len(names) > 1) + profiles
+    figure = figure or plt.figure(figsize=(5 * count, 4), layout="constrained")
+    left, *more = figure.subplots(1, count, squeeze=False)[0]
+    right = more[0] if len(names) > 1 else None
     is_estimated = self.estimator.sigma == "estimated" and self.redundancy > 0
     scale = np.sqrt(self.chi2_per_dof) if is_estimated else 1
     edges = np.linspace(-5, 5, 41)
@@ -79,4 +92,18 @@ def plot(self, figure=None):
         if len(names) <= 30:
             right.set_xticks(range(len(names)), names, rotation=90)
             right.set_yticks(range(len(names)), names)
+    if profiles:
+        _plot_intervals(self, more[-1])
     return figure
+
+
+def _plot_intervals(self, axes):
+    rows = self.estimator.intervals().rows
+    for i, row in enumerate(rows):
+        scale = row.std if row.std > 0 else 1
+        axes.plot([(row.lower - row.value) / scale, (row.upper - row.value) / scale], [i, i], "o-C0" if row.is_profile else "o-C7")
+    for end in (-1.96, 1.96):
+        axes.axvline(end, color="k", linestyle=":")
+    axes.set_yticks(range(len(rows)), [row.name for row in rows])
+    axes.invert_yaxis()
+    axes.set(xlabel="95 % interval minus value [standard deviations]")

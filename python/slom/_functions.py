@@ -2,6 +2,7 @@
 with objects, and might ask for values, or give a wrong result without a word."""
 
 import operator
+from typing import Any, Dict
 
 import numpy as np
 
@@ -35,6 +36,23 @@ def _logaddexp(a, b):
 
 def _logaddexp2(a, b):
     return _logaddexp(a * np.log(2), b * np.log(2)) / np.log(2)
+
+
+def _expit(x):
+    e = number(choose(x < 0, x, -x)).exp()  # does not overflow
+    return choose(x < 0, e, 1.0) / (1 + e)
+
+
+def _normal(x):
+    return 0.5 * number(-x * np.sqrt(0.5)).erfc()
+
+
+def _logit(x):
+    return number(x).log() - number(-x).log1p()
+
+
+def _xlogy(x, y):
+    return x * number(choose((x == 0) & _not(y > 0), 1.0, y)).log()
 
 
 def _truth(x):
@@ -86,12 +104,16 @@ _UFUNCS = {
     "logaddexp": _elementwise(_logaddexp, 2),
     "logaddexp2": _elementwise(_logaddexp2, 2),
     **{name: _elementwise(_method(name), 2) for name in ("hypot", "arctan2", "fmod")},
-    # erf is SciPy's.
+    # SciPy's special functions.
+    "expit": _elementwise(_expit, 1),
+    "logit": _elementwise(_logit, 1),
+    "ndtr": _elementwise(_normal, 1),
+    "xlogy": _elementwise(_xlogy, 2),
     **{
         name: _elementwise(_method(name), 1)
         for name in (
             "sqrt cbrt sin cos tan arcsin arccos arctan sinh cosh tanh arcsinh arccosh arctanh exp exp2 expm1 log "
-            "log1p log10 log2 erf fabs sign trunc deg2rad radians rad2deg degrees"
+            "log1p log10 log2 erf erfc fabs sign trunc deg2rad radians rad2deg degrees"
         ).split()
     },
 }
@@ -207,7 +229,7 @@ def _sinc(x):
     return np.sin(y) / y
 
 
-_OWN = {
+_OWN: Dict[Any, Any] = {
     np.where: _where,
     np.select: _select,
     np.einsum: _einsum,
@@ -275,6 +297,7 @@ def _array_function(self, function, types, arguments, options):
 
 
 # Numbers alone come here, too: np.float64(2) - x, np.where(x > 0, x, 0).
+_type: Any
 for _type in (Array, Number, Condition):
     _type.__array_ufunc__ = _array_ufunc
     _type.__array_function__ = _array_function

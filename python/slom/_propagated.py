@@ -11,6 +11,11 @@ class Propagated:
     value: Any
     covariance: np.ndarray  #: in the tangent space of the value
 
+    def __repr__(self) -> str:
+        if isinstance(self.value, float):
+            return f"{self.value:.8g} ± {self.std:.3g}"
+        return f"{self.value} ± {self.std}"
+
     @property
     def std(self) -> Any:
         """Standard deviations: a number for a number, an array of the shape of an array."""

@@ -8,8 +8,10 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "documentation.hpp"
 #include "recorded.hpp"
 #include "slom/tape/rotation.hpp"
+#include "value_type.hpp"
 
 namespace slom::python {
 
@@ -19,6 +21,31 @@ nb::object numpy() { return nb::module_::import_("numpy"); }
 
 std::vector<std::size_t> shapeOf(nb::handle x) {
   return nb::cast<std::vector<std::size_t>>(nb::tuple(numpy().attr("shape")(x)));
+}
+
+nb::object realArray(nb::handle x, const std::string& subject) {
+  const auto raise = [&](const std::string& fault, const std::string& remedy) {
+    throw mtk::Error("slom.bad-value", subject + " " + fault + "; " + remedy, subject);
+  };
+  if (nb::hasattr(x, "mask") && nb::cast<bool>(numpy().attr("ma").attr("is_masked")(x)))
+    raise("has masked entries", "select the rows without them");
+  nb::object array;
+  try {
+    array = numpy().attr("asarray")(x);
+  } catch (const nb::python_error&) {
+    raise("is an array whose rows have different lengths", "pass numbers, all rows of one length");
+  }
+  if (nb::cast<std::string>(array.attr("dtype").attr("kind")).find_first_of("biuf") == std::string::npos) {
+    raise(
+        "is " +
+            (nb::hasattr(x, "dtype")
+                 ? "an array of " + nb::cast<std::string>(nb::str(nb::object(array.attr("dtype")))) + "s"
+                 : "a " + nb::cast<std::string>(x.type().attr("__name__"))) +
+            " and holds no real numbers",
+        "pass a number, an array, one of SO2, SO3, S2, SE2 and SE3, or an instance of a class decorated with "
+        "slom.manifold");
+  }
+  return numpy().attr("ascontiguousarray")(array, "float64").attr("reshape")(array.attr("shape"));
 }
 
 namespace {
@@ -34,7 +61,7 @@ namespace {
 
 template <>
 std::vector<double> entriesOf<double>(nb::handle x, int size, const std::string& what) {
-  const nb::object array = numpy().attr("asarray")(x, "float64").attr("ravel")();
+  const nb::object array = realArray(x, what).attr("ravel")();
   const auto values = nb::cast<Eigen::VectorXd>(array);
   if (size >= 0 && values.size() != size)
     raiseShape(what, std::to_string(size) + " numbers", static_cast<std::size_t>(values.size()));
@@ -165,6 +192,7 @@ nb::object productOver(nb::handle a, nb::handle b, const char* name) {
 }
 template <template <class> class G, template <class> class R>
 nb::object product(nb::handle a, nb::handle b, const char* name) {
+  if (nb::isinstance<Rows>(b)) return nb::borrow(nb::handle(Py_NotImplemented));  // Rows have the operator
   const bool recorded = nb::isinstance<G<Number>>(a) || isRecorded(b);
   return recorded ? productOver<G, R, Number>(a, b, name) : productOver<G, R, double>(a, b, name);
 }
@@ -241,6 +269,10 @@ template <class S>
 nb::object makeSO3(const nb::args& args) {
   if (args.size() == 0) return nb::cast(mtk::SO3<S>());
   if (args.size() == 1 && isA<mtk::SO3>(args[0])) return nb::borrow(nb::object(args[0]));
+  if (args.size() == 1 && nb::hasattr(args[0], "as_quat")) {  // scipy.spatial.transform.Rotation
+    const std::vector<S> q = entriesOf<S>(nb::object(args[0].attr("as_quat")()), 4, "SO3(rotation)");
+    return nb::cast(mtk::SO3<S>(q[3], q[0], q[1], q[2]));
+  }
   if (args.size() == 4) {
     const std::vector<S> q = entriesOf<S>(args, 4, "SO3(w, x, y, z)");
     return nb::cast(mtk::SO3<S>(q[0], q[1], q[2], q[3]));
@@ -274,6 +306,11 @@ nb::object makePose(nb::handle pos, nb::handle orient, const char* name, const c
   if (!pos.is_none() && orient.is_none() && shapeOf(pos).size() == 2) {
     if constexpr (std::is_same_v<S, double>) {
       const auto m = matrixFrom<dim + 1, S>(pos, std::string(name) + "(matrix)");
+      for (int k = 0; k <= dim; ++k) {
+        if (!(std::abs(m(dim, k) - (k == dim ? 1 : 0)) <= 1e-6))
+          raiseArguments(
+              name, "a matrix whose last row is 0 ... 0 1, or its transpose if the translation is there");
+      }
       return nb::cast(G<S>(R<S>(m.template topLeftCorner<dim, dim>()),
                            mtk::vect<dim, S>(m.template topRightCorner<dim, 1>())));
     } else {
@@ -348,15 +385,12 @@ nb::class_<G<S>> bindGroup(nb::module_& module, const char* name, const char* do
 template <class S>
 void bindAll(nb::module_& module) {
   using namespace nb::literals;
-  auto so2 = bindGroup<mtk::SO2, SE2, S>(module, "SO2",
-                                         "SO2(angle): a rotation in the plane [rad]. SO2(): no rotation.");
+  auto so2 = bindGroup<mtk::SO2, SE2, S>(module, "SO2", doc::SO2);
   so2.def_prop_ro(
          "angle", [](const mtk::SO2<S>& R) { return R.angle(); }, "The angle in [-pi, pi) [rad].")
       .def(
           "log", [](const mtk::SO2<S>& R) { return R.angle(); }, "Returns the angle [rad].");
-  auto so3 = bindGroup<mtk::SO3, SE3, S>(
-      module, "SO3",
-      "SO3(w, x, y, z): a rotation in space of a quaternion, which is normalised. SO3(matrix). SO3(): no rotation.");
+  auto so3 = bindGroup<mtk::SO3, SE3, S>(module, "SO3", doc::SO3);
   so3.def(
          "log", [](const mtk::SO3<S>& R) { return vectorToPython(mtk::SO3<S>::log(R)); },
          "Returns the rotation vector, axis times angle [rad].")
@@ -367,8 +401,7 @@ void bindAll(nb::module_& module) {
       .def_prop_ro(
           "coefficients", [](const mtk::SO3<S>& R) { return vectorToPython(R.coeffs()); },
           "The unit quaternion (x, y, z, w), in the order of SciPy.");
-  auto s2 =
-      bindOne<mtk::S2, S>(module, "S2", "S2(vector): the direction of a vector of any positive length.");
+  auto s2 = bindOne<mtk::S2, S>(module, "S2", doc::S2);
   s2.def_prop_ro(
         "vector", [](const mtk::S2<S>& v) { return vectorToPython(v.vector()); }, "The unit vector.")
       .def_prop_ro("x", [](const mtk::S2<S>& v) { return v.x(); })
@@ -381,12 +414,9 @@ void bindAll(nb::module_& module) {
         .def_prop_ro(
             "orient", [](const T& x) { return x.orient; }, "The orientation.");
   };
-  auto se2 = bindGroup<SE2, mtk::SO2, S>(
-      module, "SE2", "SE2(pos, orient), SE2(x, y, angle) or SE2(matrix): a rigid motion in the plane.");
+  auto se2 = bindGroup<SE2, mtk::SO2, S>(module, "SE2", doc::SE2);
   parts(se2);
-  auto se3 = bindGroup<SE3, mtk::SO3, S>(
-      module, "SE3",
-      "SE3(pos, orient) or SE3(matrix): a rigid motion in space, which moves p to orient * p + pos.");
+  auto se3 = bindGroup<SE3, mtk::SO3, S>(module, "SE3", doc::SE3);
   parts(se3);
   if constexpr (std::is_same_v<S, double>) {
     so2.def(nb::new_([](const nb::args& args) {

@@ -25,11 +25,14 @@ nb::object numpy();
 /// Returns numpy.shape(x).
 std::vector<std::size_t> shapeOf(nb::handle x);
 
+/// Returns x as an array of float64. `subject` names it in errors. Throws [slom.bad-value].
+nb::object realArray(nb::handle x, const std::string& subject);
+
 /// Returns whether x is a recorded number, or has one in it.
 bool isRecorded(nb::handle x);
 
 /// Returns the entries of an array, list or number; `size` of them, or any number if that is -1. `what` names the array
-/// in errors. Throws [slom.wrong-shape].
+/// in errors. Throws [slom.wrong-shape] or [slom.bad-value].
 template <class S>
 std::vector<S> entriesOf(nb::handle x, int size, const std::string& what);
 

@@ -211,7 +211,7 @@ Number power(const Number& x, const Number& y) {
 
 Number sign(const Number& x) { return tape::detail::apply(tape::Operation::sign, x); }
 
-/// Returns a // b: floor(a / b), which is exact where b divides a, although the tape multiplies by 1 / b.
+/// Returns a // b, as Python computes it: floor(a / b), corrected where the quotient was rounded to an integer.
 Number floorDivide(const Number& a, const Number& b) {
   const Number quotient = floor(a / b), rest = sign(b) * (a - quotient * b), size = abs(b);
   return quotient + select(rest >= size, Number(1), select(rest < 0, Number(-1), Number(0)));
@@ -363,6 +363,7 @@ void bindFunctions(nb::class_<Number>& number) {
       .def("log10", [](N x) { return log10(x); })
       .def("log2", [](N x) { return log2(x); })
       .def("erf", [](N x) { return erf(x); })
+      .def("erfc", [](N x) { return erfc(x); })
       .def("fabs", [](N x) { return abs(x); })
       .def("sign", sign)
       .def("trunc", truncate)

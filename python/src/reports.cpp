@@ -16,6 +16,10 @@
 
 #include <slom/slom.hpp>
 
+#include "alone.hpp"
+#include "documentation.hpp"
+#include "words.hpp"
+
 namespace slom::python {
 
 using namespace nb::literals;
@@ -26,7 +30,7 @@ template <class T>
 std::string textOf(const T& x) {
   std::ostringstream text;
   text << x;
-  return text.str();
+  return inWords(text.str());
 }
 
 /// Returns a method that is a function of slom/_fit.py.
@@ -91,7 +95,11 @@ void bindFit(nb::module_& module) {
       .def_ro("value", &ParameterSummary::value)
       .def_ro("text", &ParameterSummary::text, "For a direction its unit vector, in place of a value.")
       .def_ro("std", &ParameterSummary::standard_deviation)
-      .def_ro("clustered", &ParameterSummary::clustered);
+      .def_ro("clustered", &ParameterSummary::clustered)
+      .def("__repr__", [](const ParameterSummary& p) {
+        return p.name + " = " + (p.text.empty() ? textOf(p.value) : p.text) + " ± " +
+               textOf(p.standard_deviation);
+      });
   nb::class_<GroupSummary>(module, "Kind", "The measurements of one label in a fit.")
       .def_ro("name", &GroupSummary::name)
       .def_ro("measurements", &GroupSummary::measurements)
@@ -99,12 +107,19 @@ void bindFit(nb::module_& module) {
       .def_ro("initial_rss", &GroupSummary::initial_rss)
       .def_ro("final_rss", &GroupSummary::final_rss)
       .def_ro("redundancy", &GroupSummary::redundancy)
-      .def_ro("derivatives", &GroupSummary::derivatives);
+      .def_ro("derivatives", &GroupSummary::derivatives)
+      .def("__repr__", [](const GroupSummary& group) {
+        return "<" + group.name + ": " + textOf(group.measurements) + " measurements, RSS " +
+               textOf(group.final_rss) + ">";
+      });
   nb::class_<CorrelationSummary>(module, "Correlation",
                                  "Two components whose errors are strongly correlated.")
       .def_ro("a", &CorrelationSummary::a)
       .def_ro("b", &CorrelationSummary::b)
-      .def_ro("correlation", &CorrelationSummary::correlation);
+      .def_ro("correlation", &CorrelationSummary::correlation)
+      .def("__repr__", [](const CorrelationSummary& c) {
+        return "<" + c.a + ", " + c.b + ": " + textOf(c.correlation) + ">";
+      });
   nb::class_<IterationRecord>(module, "Iteration", "One line of progress.")
       .def_ro("iteration", &IterationRecord::iteration)
       .def_ro("algorithm", &IterationRecord::algorithm)
@@ -112,17 +127,22 @@ void bindFit(nb::module_& module) {
       .def_ro("relative_decrease", &IterationRecord::relative_decrease)
       .def_ro("step", &IterationRecord::step)
       .def_ro("damping", &IterationRecord::damping)
-      .def_ro("seconds", &IterationRecord::seconds);
+      .def_ro("seconds", &IterationRecord::seconds)
+      .def("__repr__", [](const IterationRecord& record) {
+        return "<iteration " + textOf(record.iteration) + ": RSS " + textOf(record.rss) + ">";
+      });
 
   const auto of = [](auto member) { return [member](const Fit& fit) { return fit.summary.*member; }; };
-  nb::class_<Fit>(module, "Fit", "What a fit did, and why it stopped.", nb::dynamic_attr())
+  nb::class_<Fit>(module, "Fit", "What a fit did, and why it stopped.")
       .def_prop_ro(
           "estimator", [](const Fit& fit) { return fit.est; }, "The estimator that was fitted.")
       .def_prop_ro("converged", of(&Summary::converged))
       .def_prop_ro("stop_reason",
                    [](const Fit& fit) { return std::string(toString(fit.summary.stop_reason)); })
-      .def_prop_ro("message", of(&Summary::message), "The reason for the end, in a sentence.")
-      .def_prop_ro("warnings", of(&Summary::warnings))
+      .def_prop_ro(
+          "message", [](const Fit& fit) { return inWords(fit.summary.message); },
+          "The reason for the end, in a sentence.")
+      .def_prop_ro("warnings", [](const Fit& fit) { return inWords(fit.summary.warnings); })
       .def_prop_ro("algorithm", of(&Summary::algorithm))
       .def_prop_ro("iterations", of(&Summary::iterations))
       .def_prop_ro("measurements", of(&Summary::measurements), "Number of scalar residuals.")
@@ -138,26 +158,25 @@ void bindFit(nb::module_& module) {
       .def_prop_ro("undetermined", of(&Summary::undetermined))
       .def_prop_ro("correlations", of(&Summary::correlations))
       .def_prop_ro("trace", of(&Summary::trace))
-      .def_prop_ro(
-          "parameters",
-          [](Fit& fit) {
-            if (fit.summary.parameters_not_shown > 0) fit.est->addParametersTo(fit.summary);
-            return fit.summary.parameters;
-          },
-          "The fitted components with their standard deviations.")
+      .def_prop_ro("parameters", alone(+[](Fit& fit) {
+                     if (fit.summary.parameters_not_shown > 0) fit.est->addParametersTo(fit.summary);
+                     return fit.summary.parameters;
+                   }),
+                   "The fitted components with their standard deviations.")
       .def_prop_ro("params", inPython("params"), "The fitted components as a pandas frame.")
       .def_prop_ro("uncertainties", inPython("uncertainties"),
                    "The fitted components as correlated values of the package `uncertainties`, by name.")
       .def(
           "plot",
-          [](nb::handle self, nb::handle figure) {
-            return nb::module_::import_("slom._fit").attr("plot")(self, figure);
+          [](nb::handle self, nb::handle figure, bool profiles) {
+            return nb::module_::import_("slom._fit").attr("plot")(self, figure, profiles);
           },
-          "figure"_a = nb::none(),
+          "figure"_a = nb::none(), "profiles"_a = false,
           "Plots the residuals of each kind of measurements beside the normal distribution, and the correlations of the "
-          "parameters, if there are at most 200. Returns the figure. Needs matplotlib.")
+          "parameters, if there are at most 200. With profiles=True, the 95 % intervals by profiles beside those by standard "
+          "deviations (dotted). Returns the figure. Needs matplotlib.")
       .def("_repr_html_", inPython("html_of_fit"))
-      .def_prop_ro("covariance", &covarianceOf, "Joint covariance of `parameters`, in their order.")
+      .def_prop_ro("covariance", alone(&covarianceOf), "Joint covariance of `parameters`, in their order.")
       .def(
           "json", [](const Fit& fit) { return fit.summary.json(); }, "Returns the summary as a JSON object.")
       .def("__str__", [](const Fit& fit) { return textOf(fit.summary); })
@@ -225,7 +244,11 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
       .def_ro("std", &ParameterInterval::standard_deviation)
       .def_ro("lower", &ParameterInterval::lower)
       .def_ro("upper", &ParameterInterval::upper)
-      .def_ro("is_profile", &ParameterInterval::is_profile);
+      .def_ro("is_profile", &ParameterInterval::is_profile)
+      .def("__repr__", [](const ParameterInterval& p) {
+        return "<" + p.name + " = " + textOf(p.value) + " in [" + textOf(p.lower) + ", " + textOf(p.upper) +
+               "]>";
+      });
   bindReport<IntervalTable>(module, "IntervalTable", "Intervals of all components.")
       .def_ro("probability", &IntervalTable::probability)
       .def_ro("rows", &IntervalTable::rows)
@@ -257,8 +280,8 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
       .def_prop_ro("suspects", &OutlierReport::suspects, "The number of suspects.")
       .def_prop_ro("ranking", &OutlierReport::ranking, "The least probable measurements, the worst first.");
   bindReport<Preflight>(module, "Preflight", "What is wrong before a fit.")
-      .def_ro("faults", &Preflight::faults)
-      .def_ro("warnings", &Preflight::warnings)
+      .def_prop_ro("faults", [](const Preflight& p) { return inWords(p.faults); })
+      .def_prop_ro("warnings", [](const Preflight& p) { return inWords(p.warnings); })
       .def_prop_ro("ok", &Preflight::ok);
   bindReport<DerivativeCheck>(module, "DerivativeCheck", "A comparison of derivatives with differences.")
       .def_prop_ro("ok", &DerivativeCheck::ok);
@@ -269,61 +292,55 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
       .def_ro("redundancy", &VarianceComponent::redundancy)
       .def_ro("is_estimated", &VarianceComponent::is_estimated)
       .def_ro("reason", &VarianceComponent::reason)
-      .def("interval", &VarianceComponent::interval, "probability"_a = 0.95);
+      .def("interval", &VarianceComponent::interval, "probability"_a = 0.95)
+      .def("__repr__", [](const VarianceComponent& c) {
+        return "<" + c.name + ": factor " + textOf(c.factor) + " ± " + textOf(c.standard_deviation) + ">";
+      });
   bindReport<VarianceComponents>(module, "VarianceComponents", "Error sizes of the kinds of measurements.")
       .def_ro("converged", &VarianceComponents::converged)
       .def_ro("components", &VarianceComponents::components)
       .def_ro("notes", &VarianceComponents::notes);
 
   estimator
-      .def(
-          "profile",
-          [](Estimator& est, const Variable& x, const std::string& path, double probability) {
-            return path.empty() ? profile(est, x.id, probability) : profile(est, x.id, path, probability);
-          },
-          "variable"_a, "path"_a = "", "probability"_a = 0.95,
-          "Returns the profile likelihood interval of a number or component.")
-      .def(
-          "intervals", [](Estimator& est, double probability) { return intervals(est, probability); },
-          "probability"_a = 0.95, "Returns the intervals of all components.")
-      .def(
-          "diagnose", [](const Estimator& est) { return diagnose(est); },
-          "Returns what the measurements determine.")
-      .def(
-          "preflight", [](const Estimator& est) { return preflight(est); },
-          "Returns what is wrong before a fit.")
-      .def(
-          "outliers",
-          [](const Estimator& est, double significance, int worst) {
-            return outliers(est, {.significance = significance, .worst = worst});
-          },
-          "significance"_a = 0.01, "worst"_a = 10, "Tests each measurement.")
-      .def(
-          "check_derivatives", [](const Estimator& est) { return checkDerivatives(est); },
-          "Compares derivatives with differences.")
-      .def(
-          "clustered",
-          [](const Estimator& est, nb::handle by, const std::string& correction, bool ordered, bool refit) {
-            ClusterOptions options;
-            options.by = waysOf(by);
-            options.correction = correctionNamed(correction);
-            options.ordered = ordered;
-            options.refit = refit;
-            return clustered(est, options);
-          },
-          "by"_a = nb::none(), nb::kw_only(), "correction"_a = "by_leverage", "ordered"_a = false,
-          "refit"_a = false,
-          "Returns covariances for errors that measurements share within groups: the dimensions of `group`, or arrays "
-          "of variables.")
+      .def("profile",
+           alone(+[](Estimator& est, const Variable& x, const std::string& path, double probability) {
+             return path.empty() ? profile(est, x.id, probability) : profile(est, x.id, path, probability);
+           }),
+           "variable"_a, "path"_a = "", "probability"_a = 0.95, doc::kProfile)
+      .def("intervals",
+           alone(+[](Estimator& est, double probability) { return intervals(est, probability); }),
+           "probability"_a = 0.95, doc::kIntervals)
+      .def("diagnose", alone(+[](const Estimator& est) { return diagnose(est); }),
+           "Returns what the measurements determine.")
+      .def("preflight", alone(+[](const Estimator& est) { return preflight(est); }),
+           "Returns what is wrong before a fit.")
+      .def("outliers", alone(+[](const Estimator& est, double significance, int worst) {
+             return outliers(est, {.significance = significance, .worst = worst});
+           }),
+           "significance"_a = 0.01, "worst"_a = 10, doc::kOutliers)
+      .def("check_derivatives", alone(+[](const Estimator& est) { return checkDerivatives(est); }),
+           "Compares derivatives with differences.")
+      .def("clustered",
+           alone(+[](const Estimator& est, nb::handle by, const std::string& correction, bool ordered,
+                     bool refit) {
+             ClusterOptions options;
+             options.by = waysOf(by);
+             options.correction = correctionNamed(correction);
+             options.ordered = ordered;
+             options.refit = refit;
+             return clustered(est, options);
+           }),
+           "by"_a = nb::none(), nb::kw_only(), "correction"_a = "by_leverage", "ordered"_a = false,
+           "refit"_a = false, doc::kClustered)
       .def(
           "variance_components",
-          [](Estimator& est, const std::vector<std::string>& kinds, bool apply_them) {
+          alone(+[](Estimator& est, const std::vector<std::string>& kinds, bool apply_them) {
             VarianceOptions options;
             options.kinds = kinds;
             VarianceComponents components = varianceComponents(est, options);
             if (apply_them) apply(components, est);
             return components;
-          },
+          }),
           "kinds"_a = std::vector<std::string>(), "apply"_a = false,
           "Estimates the error sizes of the kinds of measurements, and with apply=True uses them from then on.");
 }

@@ -31,34 +31,6 @@ std::string textOf(const std::vector<std::size_t>& shape) {
   return text + (shape.size() == 1 ? ",)" : ")");
 }
 
-/// Returns x as an array of float64. Throws [slom.bad-value].
-nb::object arrayFrom(nb::handle x, const std::string& subject) {
-  if (nb::hasattr(x, "mask") && nb::cast<bool>(numpy().attr("ma").attr("is_masked")(x)))
-    raiseValue(subject, "has masked entries", "select the rows without them");
-  nb::object array;
-  try {
-    array = numpy().attr("asarray")(x);
-  } catch (const nb::python_error&) {
-    raiseValue(subject, "is an array whose rows have different lengths",
-               "pass numbers, all rows of one length");
-  }
-  if (nb::cast<std::string>(array.attr("dtype").attr("kind")).find_first_of("biuf") == std::string::npos) {
-    const std::string kind =
-        nb::hasattr(x, "dtype")
-            ? "an array of " + nb::cast<std::string>(nb::str(nb::object(array.attr("dtype")))) + "s"
-            : "a " + typeNameOf(x);
-    raiseValue(subject, "is " + kind + " and holds no real numbers",
-               "pass a number, an array, one of SO2, SO3, S2, SE2 and SE3, or an instance of a class "
-               "decorated with slom.manifold");
-  }
-  return numpy().attr("ascontiguousarray")(array, "float64").attr("reshape")(array.attr("shape"));
-}
-
-void appendArray(nb::handle array, std::vector<double>& numbers) {
-  const auto flat = nb::cast<Eigen::VectorXd>(array.attr("ravel")());
-  numbers.insert(numbers.end(), flat.begin(), flat.end());
-}
-
 template <class T>
 bool isA(nb::handle x) {
   return nb::isinstance<T>(x);
@@ -133,7 +105,7 @@ std::shared_ptr<const ValueType> ValueType::of(nb::handle value, const std::stri
       type->members_.emplace_back(name, of(value.attr(name.c_str()), subject + "." + name));
     }
   } else {
-    return array(shapeOf(arrayFrom(value, subject)));
+    return array(shapeOf(realArray(value, subject)));
   }
   type->finish();
   return type;
@@ -186,7 +158,12 @@ void ValueType::finish() {
   std::string name = is_compound_ ? nb::cast<std::string>(class_.attr("__name__")) : "";
   if (!is_compound_) {
     constexpr const char* names[] = {"number", "vector", "SO2", "SO3", "S2", "SE2", "SE3"};
-    name = names[static_cast<int>(kind_)] + (kind_ == Kind::vector ? textOf(shape_) : "");
+    name = names[static_cast<int>(kind_)];
+    if (kind_ == Kind::vector) {  // so that messages can say: all 5 3-vectors
+      std::string sizes;
+      for (const std::size_t n : shape_) sizes += (sizes.empty() ? "" : "x") + std::to_string(n);
+      name = sizes + (shape_.size() == 1 ? "-vector" : "-array");
+    }
   }
   runtime_ = RuntimeType::make(std::move(name), std::move(fields));
 }
@@ -231,10 +208,11 @@ void ValueType::appendUnchecked(nb::handle value, std::vector<double>& numbers,
   switch (kind_) {
     case Kind::number:
     case Kind::vector: {
-      const nb::object array = arrayFrom(value, subject);
+      const nb::object array = realArray(value, subject);
       if (shapeOf(array) != shape_)
         raiseValue(subject, "has the shape " + textOf(shapeOf(array)), "pass one of shape " + textOf(shape_));
-      appendArray(array, numbers);
+      const auto flat = nb::cast<Eigen::VectorXd>(array.attr("ravel")());
+      numbers.insert(numbers.end(), flat.begin(), flat.end());
       break;
     }
     case Kind::so2:
@@ -340,113 +318,6 @@ std::pair<std::shared_ptr<const ValueType>, int> ValueType::member(const std::st
     }
   }
   return {nullptr, 0};
-}
-
-Rows rowsOf(nb::handle values, const std::string& subject) {
-  if (isA<Rows>(values)) return nb::cast<Rows>(values);
-  Rows rows;
-  const bool is_list = nb::isinstance<nb::list>(values) || nb::isinstance<nb::tuple>(values);
-  if (is_list && nb::len(values) > 0) {
-    const auto type = ValueType::of(values[0], subject + "[0]");
-    if (!type->isArray()) {
-      rows.type = type;
-      std::size_t i = 0;
-      for (const nb::handle value : values)
-        type->append(value, rows.numbers, subject + "[" + std::to_string(i++) + "]");
-      return rows;
-    }
-  }
-  const nb::object array = arrayFrom(values, subject);
-  const std::vector<std::size_t> shape = shapeOf(array);
-  if (shape.empty()) raiseValue(subject, "is a single number", "pass an array with one row for each value");
-  rows.type = ValueType::array({shape.begin() + 1, shape.end()});
-  appendArray(array, rows.numbers);
-  for (std::size_t i = 0; i < rows.numbers.size(); ++i) {
-    if (std::isfinite(rows.numbers[i])) continue;
-    raiseValue(subject,
-               "has a number that is not finite in row " +
-                   std::to_string(i / static_cast<std::size_t>(rows.type->coordinates())),
-               "remove such rows, or give them finite numbers");
-  }
-  return rows;
-}
-
-nb::object toPython(Rows rows) {
-  if (!rows.type->isArray()) return nb::cast(std::move(rows));
-  std::vector<std::size_t> shape{rows.size()};
-  shape.insert(shape.end(), rows.type->shape().begin(), rows.type->shape().end());
-  return toPython(rows.numbers.data(), shape);
-}
-
-std::vector<std::size_t> indicesOf(nb::handle index, std::size_t size) {
-  const nb::object all = numpy().attr("arange")(size);
-  const nb::object array =
-      nb::isinstance<nb::slice>(index) ? nb::object(nb::borrow(index)) : numpy().attr("asarray")(index);
-  return nb::cast<std::vector<std::size_t>>(
-      nb::object(numpy().attr("atleast_1d")(all[array]).attr("tolist")()));
-}
-
-std::optional<std::size_t> singleIndexOf(nb::handle index, std::size_t size) {
-  const bool is_single = nb::isinstance<nb::int_>(index) ||
-                         (nb::hasattr(index, "dtype") && nb::cast<int>(index.attr("ndim")) == 0);
-  if (!is_single) return std::nullopt;
-  return indicesOf(index, size).front();
-}
-
-void bindRows(nb::module_& module) {
-  using namespace nb::literals;
-  nb::class_<Rows>(module, "Rows",
-                   "Values of one type, such as SE3, one a row. Index arrays and masks select rows.")
-      .def(
-          "__init__",
-          [](Rows* self, nb::handle values, nb::handle like) {
-            Rows rows = rowsOf(values, "Rows");
-            if (!like.is_none()) {
-              const auto type = ValueType::of(like.is_type() ? nb::object(like()) : nb::borrow(like), "like");
-              const auto width = static_cast<std::size_t>(rows.type->coordinates());
-              std::vector<double> numbers;
-              for (std::size_t i = 0; i < rows.size(); ++i) {
-                const std::vector<double> row =
-                    type->runtime()->normalized({rows.row(i), rows.row(i) + width});
-                numbers.insert(numbers.end(), row.begin(), row.end());
-              }
-              rows = Rows{type, std::move(numbers)};
-            }
-            new (self) Rows(std::move(rows));
-          },
-          "values"_a, "like"_a = nb::none(),
-          "Rows of a list of values. With like=slom.SE3, rows of an array of the numbers that store them.")
-      .def("__len__", &Rows::size)
-      .def("__getitem__",
-           [](const Rows& rows, nb::handle index) -> nb::object {
-             if (const auto i = singleIndexOf(index, rows.size())) return rows.type->value(rows.row(*i));
-             Rows some{rows.type, {}};
-             for (const std::size_t i : indicesOf(index, rows.size()))
-               some.numbers.insert(some.numbers.end(), rows.row(i), rows.row(i) + rows.type->coordinates());
-             return nb::cast(std::move(some));
-           })
-      .def("__getattr__",
-           [](const Rows& rows, const std::string& name) {
-             const auto [type, first] = rows.type->member(name);
-             if (type == nullptr)
-               throw nb::attribute_error(
-                   ("Rows of " + rows.type->runtime()->name() + " have no member " + name).c_str());
-             Rows some{type, {}};
-             for (std::size_t i = 0; i < rows.size(); ++i)
-               some.numbers.insert(some.numbers.end(), rows.row(i) + first,
-                                   rows.row(i) + first + type->coordinates());
-             return toPython(std::move(some));
-           })
-      .def_prop_ro(
-          "numbers",
-          [](const Rows& rows) {
-            return toPython(rows.numbers.data(),
-                            {rows.size(), static_cast<std::size_t>(rows.type->coordinates())});
-          },
-          "The numbers that store the values, one row for each: of SE3 the position and the quaternion (x, y, z, w).")
-      .def("__repr__", [](const Rows& rows) {
-        return "<" + std::to_string(rows.size()) + " rows of " + rows.type->runtime()->name() + ">";
-      });
 }
 
 }  // namespace slom::python

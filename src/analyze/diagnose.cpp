@@ -319,7 +319,7 @@ class Examination {
   /// deviations only at a minimum and only if the data contain noise.
   void judgeSigmas() {
     if (!(linearized_.orthogonality() < kAtMinimum) || !linearized_.hasInverse()) return;
-    for (const GroupCheck& group : checkResiduals(linearized_, OutlierOptions{.worst = 0}, 1).groups) {
+    for (const GroupCheck& group : checkGroups(linearized_)) {
       if (group.has_losses || !(group.redundancy > 0) || !isStated(group.name)) continue;
       const double factor = std::sqrt(group.chi2 / group.redundancy);
       if (!(group.probability < kImplausible) || (factor < kNoteworthy && factor > 1 / kNoteworthy) ||

@@ -134,7 +134,7 @@ void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double
                     Summary& summary) {
   const Eigen::MatrixXd C =
       variance_factor * linearized.covarianceColumns(gauge, 0, linearized.structure().system.unknowns());
-  const OutlierReport checks = checkResiduals(linearized, OutlierOptions{.worst = 0}, 1, 0, gauge);
+  const std::vector<GroupCheck> checks = checkGroups(linearized, gauge);
   std::vector<int> unknowns;
   addRows(linearized, summary, [&](int, int, int unknown) {
     unknowns.push_back(unknown);
@@ -146,10 +146,10 @@ void fillParameters(const LinearizedProblem& linearized, FreeGauge gauge, double
   // If columns of J are nearly dependent, rounding spoils the redundancies of groups. Their sum then differs from the
   // redundancy.
   double sum = 0;
-  for (const GroupCheck& check : checks.groups) sum += check.redundancy;
+  for (const GroupCheck& check : checks) sum += check.redundancy;
   if (std::abs(sum - summary.redundancy) > 1e-3 * std::max(1, summary.redundancy)) return;
   for (GroupSummary& group : summary.groups) {
-    for (const GroupCheck& check : checks.groups) {
+    for (const GroupCheck& check : checks) {
       if (check.name == group.name) group.redundancy = check.redundancy;
     }
   }

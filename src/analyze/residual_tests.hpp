@@ -12,6 +12,10 @@ namespace slom {
 OutlierReport checkResiduals(const LinearizedProblem& linearized, const OutlierOptions& options,
                              double variance_factor, int redundancy = 0, FreeGauge gauge = FreeGauge::error);
 
+/// Tests the residuals of each group together, with the stated standard deviations: name, number, chi-square, redundancy
+/// and p-value. Takes a fraction of the time of checkResiduals. Throws as it does.
+std::vector<GroupCheck> checkGroups(const LinearizedProblem& linearized, FreeGauge gauge = FreeGauge::error);
+
 /// Comparisons that order OutlierReport::ranking and GroupCheck::least_checkable.
 bool lessProbable(const MeasurementCheck& a, const MeasurementCheck& b);
 bool lessCheckable(const MeasurementCheck& a, const MeasurementCheck& b);

@@ -40,14 +40,15 @@ class Run {
 
   Summary go(RankAtEnd& rank) {
     summary_.initial_rss = summary_.final_rss = evaluator_.linearize();
-    most_iterations_ = limits_.max_iterations =
-        iterationLimit(options_, evaluator_.structure().system.unknowns());
+    const int unknowns = evaluator_.structure().system.unknowns();
+    most_iterations_ = limits_.max_iterations = iterationLimit(options_, unknowns);
     convergence_.begin(summary_.initial_rss);
     record({}, evaluator_.orthogonality());
-    summary_.stop_reason = hasNothingToDo()                   ? StopReason::nothing_to_do
-                           : options_.graduated_non_convexity ? graduate()
-                           : safeguarded_ != nullptr          ? iterateOrRestart()
-                                                              : iterateToRank();
+    summary_.stop_reason = unknowns == 0                           ? StopReason::nothing_to_do
+                           : evaluator_.structure().residuals == 0 ? undetermined()
+                           : options_.graduated_non_convexity      ? graduate()
+                           : safeguarded_ != nullptr               ? iterateOrRestart()
+                                                                   : iterateToRank();
     if (summary_.stages > 0 && summary_.final_rss > summary_.initial_rss) warnOfRise();
     summary_.converged = isConverged(summary_.stop_reason);
     summary_.algorithm = algorithm_->name();
@@ -62,8 +63,10 @@ class Run {
   }
 
  private:
-  bool hasNothingToDo() {
-    return evaluator_.structure().system.unknowns() == 0 || evaluator_.structure().residuals == 0;
+  /// Returns the reason to stop if there are unknowns and no measurements.
+  StopReason undetermined() {
+    singular_at_.unknown = 0;
+    return StopReason::rank_deficient;
   }
 
   // ---- the loop

@@ -45,6 +45,7 @@ Kind kindOf(Operation operation) {
 #define SLOM_TAPE_CASE(name) \
   case Operation::name:      \
     return Kind::name;
+    SLOM_TAPE_CASE(divide)
     SLOM_TAPE_CASE(reciprocal)
     SLOM_TAPE_CASE(scale)
     SLOM_TAPE_CASE(inverse_arc)
@@ -71,6 +72,7 @@ Kind kindOf(Operation operation) {
     SLOM_TAPE_CASE(log1p)
     SLOM_TAPE_CASE(cbrt)
     SLOM_TAPE_CASE(erf)
+    SLOM_TAPE_CASE(erfc)
     SLOM_TAPE_CASE(atan2)
     SLOM_TAPE_CASE(hypot)
     SLOM_TAPE_CASE(pow)

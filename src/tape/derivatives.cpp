@@ -134,6 +134,10 @@ class LocalDerivatives {
         return {{n.a, number(-1)}};
       case Operation::wrap:
         return {{n.a, number(1)}};
+      case Operation::divide: {
+        const Id inverse = g_.reciprocal(n.b);
+        return {{n.a, calculus_.of(inverse)}, {n.b, calculus_.of(g_.multiply(id, inverse), -1)}};
+      }
       case Operation::reciprocal:
         return {{n.a, calculus_.of(g_.multiply(id, id), -1)}};
       case Operation::atan2: {
@@ -143,7 +147,9 @@ class LocalDerivatives {
       }
       case Operation::hypot: {
         const Id size = g_.select(g_.make(Operation::less, constant(0), id), id, constant(1));
-        return {{n.a, calculus_.of(g_.divide(n.a, size))}, {n.b, calculus_.of(g_.divide(n.b, size))}};
+        const Id inverse = g_.reciprocal(size);
+        return {{n.a, calculus_.of(g_.multiply(n.a, inverse))},
+                {n.b, calculus_.of(g_.multiply(n.b, inverse))}};
       }
       case Operation::pow:
         return ofPower(id, n);
@@ -205,8 +211,10 @@ class LocalDerivatives {
       case Operation::log1p:
         return one(x, calculus_.of(g_.reciprocal(g_.add(constant(1), x)), 1, true));
       case Operation::erf:
-        return one(x, calculus_.of(g_.make(Operation::exp, g_.negate(g_.multiply(x, x))),
-                                   1.1283791670955125738961589031215452));
+      case Operation::erfc:
+        return one(
+            x, calculus_.of(g_.make(Operation::exp, g_.negate(g_.multiply(x, x))),
+                            (n.operation == Operation::erf ? 1 : -1) * 1.1283791670955125738961589031215452));
       default:  // floor, sign and conditions
         return {};
     }

@@ -19,6 +19,7 @@ int operandsOf(Operation operation) {
     case Operation::add:
     case Operation::subtract:
     case Operation::multiply:
+    case Operation::divide:
     case Operation::scale:
     case Operation::inverse_arc:
     case Operation::atan2:
@@ -63,6 +64,8 @@ double evaluate(Operation operation, double a, double b, double c) {
       return a * b;
     case Operation::negate:
       return -a;
+    case Operation::divide:
+      return a / b;
     case Operation::reciprocal:
       return 1 / a;
     case Operation::scale:
@@ -115,6 +118,8 @@ double evaluate(Operation operation, double a, double b, double c) {
       return std::cbrt(a);
     case Operation::erf:
       return std::erf(a);
+    case Operation::erfc:
+      return std::erfc(a);
     case Operation::atan2:
       return std::atan2(a, b);
     case Operation::hypot:
@@ -219,11 +224,6 @@ Id Graph::make(Operation operation, Id a, Id b, Id c) {
   return append({operation, a, count > 1 ? b : 0, count > 2 ? c : 0, 0, 0});
 }
 
-Id Graph::divide(Id a, Id b) {
-  if (isConstant(a) && isConstant(b)) return constant(nodes_[a].value / nodes_[b].value);
-  return multiply(a, reciprocal(b));
-}
-
 Id Graph::simplified(Operation operation, Id a, Id b, Id c) {
   switch (operation) {
     case Operation::add:
@@ -234,6 +234,8 @@ Id Graph::simplified(Operation operation, Id a, Id b, Id c) {
       return simplifiedProduct(a, b);
     case Operation::negate:
       return simplifiedNegation(a);
+    case Operation::divide:
+      return simplifiedQuotient(a, b);
     case Operation::reciprocal:
       return is(a, Operation::negate) ? negate(reciprocal(nodes_[a].a)) : kNone;
     case Operation::scale:  // a number that is not 0 needs no guard
@@ -298,6 +300,20 @@ Id Graph::simplifiedProduct(Id a, Id b) {
   }
   if (isConstant(a) && is(b, Operation::multiply) && isConstant(nodes_[b].a))  // constants come first
     return multiply(constant(nodes_[a].value * nodes_[nodes_[b].a].value), nodes_[b].b);
+  return kNone;
+}
+
+Id Graph::simplifiedQuotient(Id a, Id b) {
+  if (isConstant(a, 0)) return a;
+  if (isConstant(a, 1)) return reciprocal(b);
+  if (isConstant(b)) {
+    int exponent = 0;
+    const double inverse = 1 / nodes_[b].value;
+    const bool is_exact = std::abs(std::frexp(nodes_[b].value, &exponent)) == 0.5 && std::isnormal(inverse);
+    return is_exact ? multiply(constant(inverse), a) : kNone;
+  }
+  if (is(a, Operation::negate)) return negate(divide(nodes_[a].a, b));
+  if (is(b, Operation::negate)) return negate(divide(a, nodes_[b].a));
   return kNone;
 }
 

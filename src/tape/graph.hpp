@@ -50,7 +50,7 @@ class Graph {
   Id multiply(Id a, Id b) { return make(Operation::multiply, a, b); }
   Id negate(Id a) { return make(Operation::negate, a); }
   Id reciprocal(Id a) { return make(Operation::reciprocal, a); }
-  Id divide(Id a, Id b);
+  Id divide(Id a, Id b) { return make(Operation::divide, a, b); }
   Id select(Id condition, Id a, Id b) { return make(Operation::select, condition, a, b); }
 
   /// Sets the place of the nodes that are made next; 0: unknown.
@@ -72,6 +72,7 @@ class Graph {
   Id simplifiedSum(Id a, Id b);
   Id simplifiedDifference(Id a, Id b);
   Id simplifiedProduct(Id a, Id b);
+  Id simplifiedQuotient(Id a, Id b);
   Id simplifiedNegation(Id a);
   Id simplifiedSelection(Id condition, Id a, Id b);
   bool is(Id id, Operation operation) const { return nodes_[id].operation == operation; }

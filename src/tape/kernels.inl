@@ -142,6 +142,7 @@ inline Vector resultOf(const double* a, const double* b, const double* c, const 
   if constexpr (K == Kind::subtract) return A() - B();
   if constexpr (K == Kind::negate) return -A();
   if constexpr (K == Kind::negated_sum) return -A() - B();
+  if constexpr (K == Kind::divide) return A() / B();
   if constexpr (K == Kind::reciprocal) return all(1.0) / A();
   if constexpr (K == Kind::scale) return select(B() == all(0.0), all(0.0), A() * B());
   if constexpr (K == Kind::inverse_arc) return inverseArc(A(), B(), a, b);
@@ -212,6 +213,7 @@ SLOM_TAPE_FUNCTION(log)
 SLOM_TAPE_FUNCTION(log1p)
 SLOM_TAPE_FUNCTION(cbrt)
 SLOM_TAPE_FUNCTION(erf)
+SLOM_TAPE_FUNCTION(erfc)
 #undef SLOM_TAPE_FUNCTION
 
 template <Kind K, int Lanes>

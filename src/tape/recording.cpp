@@ -92,12 +92,6 @@ Number apply(Operation operation, const Number& a, const Number& b) {
   const Id x = Access::idOf(state, a), y = Access::idOf(state, b);
   return Access::made<Number>(state, state.graph.make(operation, x, y));
 }
-Number divide(const Number& a, const Number& b) {
-  if (a.isConstant() && b.isConstant()) return Number(a.constant() / b.constant());
-  auto& state = Access::current();
-  const Id x = Access::idOf(state, a), y = Access::idOf(state, b);
-  return Access::made<Number>(state, state.graph.divide(x, y));
-}
 Condition compare(Operation operation, const Number& a, const Number& b) {
   if (a.isConstant() && b.isConstant())
     return Condition(evaluate(operation, a.constant(), b.constant(), 0) != 0);

@@ -29,12 +29,13 @@ class Links(unittest.TestCase):
         pages = stage.pages_of_site()
         self.assertGreater(len(pages), 30)
         for page in pages:
-            self.assertEqual(faults(page, (stage.ROOT / page).read_text(encoding="utf-8")), [])
+            self.assertEqual(faults(page, stage.text_of(page)), [])
 
     def test_broken_ones_are_noticed(self):
         text = "# A heading\n[a](fitting.md#outliers) [b](#a-heading) `[c](none.md)` [d](../bench/README.md) [e](https://x.org)\n"
         self.assertEqual(faults("docs/x.md", text), [])
         self.assertEqual(faults("docs/x.md", "[a](none.md)"), ["docs/x.md: none.md is no file and no folder with a README.md"])
+        self.assertEqual(faults("docs/x.md", "[a\nb](none.md)"), ["docs/x.md: none.md is no file and no folder with a README.md"])
         self.assertEqual(faults("docs/x.md", "[a](fitting.md#none)"), ["docs/x.md: fitting.md#none names a heading that is not there"])
         self.assertEqual(faults("docs/x.md", "[a](#none)"), ["docs/x.md: #none names a heading that is not there"])
         self.assertEqual(faults("docs/x.md", "[a](../src)"), ["docs/x.md: ../src is no file and no folder with a README.md"])

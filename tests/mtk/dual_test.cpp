@@ -175,8 +175,9 @@ TEST(DualNumbers, DifferentiateEveryFunction) {
     for (const double x : points) expectExact(std::string(name) + " at " + std::to_string(x), f, x);
   };
   using std::abs, std::acos, std::acosh, std::asin, std::asinh, std::atan, std::atan2, std::atanh, std::cbrt,
-      std::cos, std::cosh, std::erf, std::exp, std::expm1, std::fmax, std::fmin, std::hypot, std::log,
-      std::log10, std::log1p, std::log2, std::pow, std::sin, std::sinh, std::sqrt, std::tan, std::tanh;
+      std::cos, std::cosh, std::erf, std::erfc, std::exp, std::expm1, std::fmax, std::fmin, std::hypot,
+      std::log, std::log10, std::log1p, std::log2, std::pow, std::sin, std::sinh, std::sqrt, std::tan,
+      std::tanh;
 #define CHECK(name, ...) check(#name, [](const auto& x) { return name(x); }, {__VA_ARGS__})
   CHECK(sqrt, 0.01, 1, 7);
   CHECK(cbrt, 0.3, 1, 7, -2);
@@ -199,6 +200,7 @@ TEST(DualNumbers, DifferentiateEveryFunction) {
   CHECK(acosh, 1.5, 4);
   CHECK(atanh, -0.8, 0, 0.5);
   CHECK(erf, -2, 0, 1);
+  CHECK(erfc, -2, 0, 1, 9);
   CHECK(abs, -2, 1);
 #undef CHECK
   for (const Vec2& p : {Vec2(1, 2), Vec2(-1, 0.1), Vec2(-3, -4), Vec2(0, 1), Vec2(5, 0.1)}) {

@@ -444,6 +444,19 @@ TEST(Stopping, WithNothingToDo) {
   EXPECT_EQ(fixed.optimize().final_rss, 9);
 }
 
+TEST(Stopping, WithoutMeasurementsIsNotConverged) {
+  for (slom::Algorithm* algorithm : std::initializer_list<slom::Algorithm*>{
+           new slom::GaussNewton, new slom::LevenbergMarquardt, new slom::DogLeg}) {
+    slom::Estimator est;
+    est.changeAlgorithm(algorithm);
+    const auto x = est.insertRV(3.0, "x");
+    const slom::Summary summary = est.optimize();
+    EXPECT_FALSE(summary.converged) << summary;
+    EXPECT_NE(summary.message.find("no measurement depends on variable x"), std::string::npos) << summary;
+    EXPECT_EQ(*x, 3.0);
+  }
+}
+
 TEST(Stopping, OnAPerfectFitWithoutNoise) {
   for (const bool scaled : {false, true}) {
     slom::Estimator est;

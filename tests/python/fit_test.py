@@ -2,6 +2,7 @@
 
 import copy
 import os
+import pathlib
 import pickle
 import signal
 import tempfile
@@ -163,7 +164,7 @@ class Fits(unittest.TestCase):
             ({"information": sigma[:, None, None]}, np.diag(sigma)),
         ]:
             est, a, b, _, A = self.line(**options)
-            np.testing.assert_allclose(est.covariance(a, b), np.linalg.inv(A.T @ W @ A), rtol=1e-10)
+            np.testing.assert_allclose(est.covariance([a, b]), np.linalg.inv(A.T @ W @ A), rtol=1e-10)
             y = 2 + 3 * A[:, 1] + 0.1 * np.cos(9 * A[:, 1])
             np.testing.assert_allclose([a.value, b.value], np.linalg.solve(A.T @ W @ A, A.T @ W @ y), rtol=1e-10)
         C = np.array([[2.0, 0.5], [0.5, 1.0]])
@@ -202,17 +203,20 @@ class Fits(unittest.TestCase):
         product = est.propagate(lambda a, b: a * b, a, b)
         J = np.array([b.value, a.value])
         self.assertAlmostEqual(product.value, a.value * b.value)
-        np.testing.assert_allclose(product.covariance, [[J @ est.covariance(a, b) @ J]], rtol=1e-12)
+        np.testing.assert_allclose(product.covariance, [[J @ est.covariance([a, b]) @ J]], rtol=1e-12)
         a.bound(-1.0, 1.0) if a.value < 1 else a.bound(0.0, 10.0)
         measurements[3].remove()
         fit = est.optimize()
         self.assertEqual(fit.measurements, 11)
         self.assertEqual([p.name for p in fit.parameters], ["a", "b"])
-        np.testing.assert_allclose(fit.covariance, est.covariance(a, b))
+        np.testing.assert_allclose(fit.covariance, est.covariance([a, b]))
         self.assertIn("<table>", fit._repr_html_())
         measurements[:3].remove()
-        with self.assertRaisesRegex(slom.Error, "stale"):
-            measurements[:3].residuals
+        self.assertTrue(np.all(np.isnan(measurements[:4].residuals)))
+        self.assertTrue(np.all(np.isfinite(measurements[4:].whitened_residuals)))
+        self.assertEqual(measurements.residuals.shape, (12, 1))
+        measurements[:3].remove()  # once more, without harm
+        self.assertIn("8 measurements", repr(measurements))
         self.assertTrue(est.update().converged)
 
     def test_a_saved_problem_is_the_same(self):
@@ -221,14 +225,15 @@ class Fits(unittest.TestCase):
         est.prior(camera, Camera(pose(self.rng), 510.0, np.array([0.1, 0.2])), 0.3)
         camera.fix("focal_length")
         with tempfile.TemporaryDirectory() as folder:
-            est.save(f"{folder}/problem.slom")
+            est.save(pathlib.Path(folder) / "problem.slom")
             loaded, variables = slom.load(f"{folder}/problem.slom")
             np.testing.assert_allclose(loaded.residuals(), est.residuals(), rtol=1e-12, atol=1e-13)
+            self.assertEqual(list(variables), ["camera", "point", "lens"])
             self.assertEqual(variables["lens"].value.focal_length, 500.0)
-            np.testing.assert_allclose(variables["camera[1]"].value - cameras[1].value, 0, atol=1e-15)
+            np.testing.assert_allclose(variables["camera"][1].value - cameras[1].value, 0, atol=1e-15)
             self.assertEqual(loaded.optimize().converged, est.optimize().converged)
             np.testing.assert_allclose(variables["lens"].value.pose - camera.value.pose, 0, atol=1e-9)
-            np.testing.assert_allclose(variables["point[3]"].value, points[3].value, atol=1e-9)
+            np.testing.assert_allclose(variables["point"].value, points.value, atol=1e-9)
             with self.assertRaisesRegex(slom.Error, "cannot be read"):
                 slom.load(f"{folder}/nothing")
 
@@ -240,6 +245,83 @@ class Fits(unittest.TestCase):
         with self.assertRaises(slom.Error):
             est.measure(lambda x, z: x - z, x, np.ones(3), group=[1, 2])
         self.assertEqual(est.residuals().size, 0)
+
+    def test_a_loaded_problem_has_arrays_where_names_are_complete(self):
+        est = slom.Estimator()
+        for name in ("p[0]", "p[1]", "q[1]", "same", "same", "r[0]", "r[x]"):
+            est.variable(1.0, name)
+        est.variable([1.0, 2], "r[1]")  # of another type
+        with tempfile.TemporaryDirectory() as folder:
+            est.save(f"{folder}/problem.slom")
+            _, variables = slom.load(f"{folder}/problem.slom")
+        self.assertEqual(list(variables), ["p", "q[1]", "same", "same (2)", "r[0]", "r[x]", "r[1]"])
+        self.assertEqual(len(variables["p"]), 2)
+
+    def test_covariance_of_two_is_the_cross_block(self):
+        est, cameras, points, _ = self.bundle()
+        est.optimize()
+        joint = est.covariance([cameras[1], points[2], points[5]])
+        self.assertEqual(joint.shape, (12, 12))
+        np.testing.assert_allclose(est.covariance(cameras[1], points[2]), joint[:6, 6:9], rtol=1e-9, atol=1e-20)
+        np.testing.assert_allclose(est.covariance(cameras[1], points[[2, 5]]), joint[:6, 6:], rtol=1e-9, atol=1e-20)
+        np.testing.assert_allclose(est.covariance(points[2]), points[2].covariance, rtol=1e-9)
+        np.testing.assert_allclose(points.covariance[5], joint[9:, 9:], rtol=1e-6)
+
+    def test_propagate_takes_data_and_functions_that_branch(self):
+        est, cameras, points, _ = self.bundle()
+        est.optimize()
+        frame, factor = pose(self.rng), 2.5
+        moved = est.propagate(lambda T, p, k: k * (T * p), frame, points[2], factor)
+        np.testing.assert_allclose(moved.value, factor * (frame * points[2].value), rtol=1e-12)
+        R = factor * frame.orient.matrix()
+        np.testing.assert_allclose(moved.covariance, R @ points[2].covariance @ R.T, rtol=1e-9)
+        self.assertIn("±", repr(moved))
+        with self.assertWarns(slom.SlowFunctionWarning):
+            branching = est.propagate(lambda T, p: T * p if p[0] > -1e9 else p, cameras[1], points[2])
+        recorded = est.propagate(lambda T, p: T * p, cameras[1], points[2])
+        np.testing.assert_allclose(branching.covariance, recorded.covariance, rtol=1e-6, atol=1e-14)
+        with self.assertRaisesRegex(slom.Error, "one by one"):
+            est.propagate(lambda p: p, points)
+
+    def test_values_are_copies_that_cannot_be_written(self):
+        est = slom.Estimator()
+        x, all = est.variable([1.0, 2.0], "x"), est.variables(np.zeros((3, 2)), "y")
+        camera = est.variable(Camera(pose(self.rng), 500.0, np.zeros(2)), "camera")
+        for value in (x.value, all.value, camera.value.distortion):
+            with self.assertRaises(ValueError):
+                value[0] = 5.0
+        x.value = x.value + 1
+        np.testing.assert_array_equal(x.value, [2.0, 3.0])
+        with self.assertRaises(AttributeError):
+            est.sigmas = "estimated"
+        with self.assertRaisesRegex(slom.Error, "one dimension"):
+            all[[[0, 1]]]
+
+    def test_arrays_of_variables_are_bounded_and_fixed_by_path(self):
+        est = slom.Estimator()
+        x = est.variables(np.zeros((3, 2)), "x")
+        est.measure(lambda x: x - 5.0, x)
+        x.bound(upper=1.0, path="y")
+        x[:1].fix("x")
+        self.assertTrue(est.optimize().converged)
+        np.testing.assert_allclose(x.value, [[0, 1], [5, 1], [5, 1]])
+
+    def test_rows_have_the_operators_of_their_values(self):
+        a, b = [pose(self.rng) for _ in range(4)], [pose(self.rng) for _ in range(4)]
+        p, points = self.rng.normal(size=3), self.rng.normal(size=(4, 3))
+        rows, others = slom.Rows(a), slom.Rows(b)
+        for i in range(4):
+            for got, expected in [
+                ((rows * others)[i], a[i] * b[i]),
+                ((rows.inverse() @ b[0])[i], a[i].inverse() * b[0]),
+                ((b[0] * rows)[i], b[0] * a[i]),
+            ]:
+                np.testing.assert_allclose(got - expected, 0, atol=1e-14)
+            np.testing.assert_allclose((rows - others)[i], a[i] - b[i], atol=1e-14)
+            np.testing.assert_allclose((rows * points)[i], a[i] * points[i], atol=1e-14)
+            np.testing.assert_allclose((rows * p)[i], a[i] * p, atol=1e-14)
+        with self.assertRaisesRegex(slom.Error, "same number of rows"):
+            rows * slom.Rows(b[:3])
 
     def test_residuals_by_name(self):
         est = slom.Estimator()
@@ -271,6 +353,166 @@ class Fits(unittest.TestCase):
             est.covariance(3.0)
         with self.assertRaisesRegex(slom.Error, "one of"):
             est.use_algorithm("simplex")
+
+
+class OneAtATime(unittest.TestCase):
+    """A fit runs without the interpreter's lock. Nothing else may change the estimator meanwhile."""
+
+    def setUp(self):
+        self.est = slom.Estimator()
+        self.x, self.y = self.est.variable(1.0, "x"), self.est.variable(2.0, "y")
+
+    def test_a_measurement_function_cannot_change_its_estimator(self):
+        for change in (
+            lambda: self.est.remove(self.y),
+            lambda: self.est.measure(lambda x: x, self.x),
+            lambda: self.est.optimize(),
+            lambda: self.x.fix(),
+            lambda: self.est.covariance(self.x),
+            lambda: self.measurements.remove(),
+            lambda: self.est.variable(1.0),
+            lambda: setattr(self.x, "value", 3.0),
+        ):
+            self.setUp()
+            armed = []
+
+            def f(x):
+                if armed:
+                    change()
+                return x - 1.5
+
+            self.measurements = self.est.measure(f, self.x, trace=False)
+            armed.append(True)
+            self.y.fix()
+            with self.assertRaisesRegex(slom.Error, "middle of another call"):
+                self.est.optimize()
+            armed.clear()
+            self.assertTrue(self.est.optimize().converged)
+            self.assertAlmostEqual(self.x.value, 1.5)
+
+    def test_threads_share_an_estimator_in_turn(self):
+        x = self.est.variable(np.zeros(2), "z")
+        self.y.fix()
+        self.est.measure(lambda x: x, self.x)
+        self.est.measure(lambda x, z: np.exp(x) - z, x, np.ones((2000, 2)), trace=False)
+        results = []
+
+        def fit():
+            try:
+                results.append(self.est.optimize().converged)
+            except slom.Error as error:
+                results.append(error.id == "slom.in-use")
+
+        threads = [threading.Thread(target=fit) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(results, [True] * 4)
+
+    def test_an_observer_reads_values(self):
+        seen = []
+        self.y.fix()
+        self.est.measure(lambda x: np.exp(x) - 2, self.x)
+        self.est.optimize(observer=lambda record: seen.append(self.x.value))
+        self.assertGreater(len(seen), 2)
+
+
+class OwnDerivatives(unittest.TestCase):
+    def setUp(self):
+        rng = np.random.default_rng(SEED)
+        self.est = slom.Estimator()
+        self.T, self.p = self.est.variable(pose(rng), "T"), self.est.variable(rng.normal(size=3), "p")
+        self.seen = rng.normal(size=(5, 3))
+
+    @staticmethod
+    def derivatives(T, p):
+        R = T.orient.matrix()
+        x, y, z = p
+        return np.eye(3), -R @ np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]), R
+
+    def test_are_used(self):
+        def jacobian(T, p):
+            a, b, c = self.derivatives(T, p)
+            return [np.hstack([a, b]), c]
+
+        self.est.measure(lambda T, p: T * p, self.T, self.p, measured=self.seen, jacobian=jacobian, name="seen")
+        check = self.est.check_derivatives()
+        self.assertTrue(check.ok, check)
+        exact = slom.Estimator()
+        T, p = exact.variable(self.T.value, "T"), exact.variable(self.p.value, "p")
+        exact.measure(lambda T, p: T * p, T, p, measured=self.seen)
+        for est, pose in ((self.est, self.T), (exact, T)):
+            pose.fix("orient")
+            est.prior(pose, pose.value.pos, 0.1, path="pos")
+        fit = self.est.optimize()
+        self.assertTrue(fit.converged, fit)
+        self.assertIn("given", str(fit))
+        exact.optimize()
+        np.testing.assert_allclose(self.p.value, p.value, atol=1e-12)
+        np.testing.assert_allclose(self.est.clone().covariance(self.p), exact.covariance(p), rtol=1e-9)
+
+    def test_wrong_ones_are_named(self):
+        self.est.measure(lambda T, p: T * p, self.T, self.p, jacobian=lambda T, p: np.ones((3, 9)), name="wrong")
+        self.assertFalse(self.est.check_derivatives().ok)
+        est = slom.Estimator()
+        x = est.variable(1.0, "x")
+        est.measure(lambda x: x * x, x, jacobian=lambda x: np.ones((2, 3)))
+        with self.assertRaisesRegex(slom.Error, r"return the shape \(1, 1\)"):
+            est.optimize()
+        with self.assertRaisesRegex(slom.Error, "drop one of them"):
+            est.measure(lambda x: x, x, jacobian=lambda x: 1.0, trace=True)
+
+
+class Ambiguity(unittest.TestCase):
+    """Arrays whose meaning cannot be told from their shapes."""
+
+    def setUp(self):
+        self.est = slom.Estimator()
+        self.c, self.r = self.est.variable([0.0, 0.0], "c"), self.est.variable(1.0, "r")
+
+    def test_a_point_is_not_two_rows(self):
+        circle = lambda c, r, p: np.linalg.norm(p - c) - r
+        with self.assertRaisesRegex(slom.Error, r"x\[None\] for one row with the vector x"):
+            self.est.measure(circle, self.c, self.r, [3.0, 4.0])
+        self.assertEqual(len(self.est.measure(circle, self.c, self.r, np.array([3.0, 4.0])[None])), 1)
+        self.assertEqual(len(self.est.measure(circle, self.c, self.r, np.array([3.0, 4.0, 5.0]))), 3)
+        self.assertEqual(len(self.est.measure(lambda c, t: c[0] + c[1] * t, self.c, [3.0, 4.0])), 2)
+        self.assertEqual(len(self.est.measure(lambda c, t: c[0] + c[1] * t, self.c, [3.0, 4.0], measured=[1.0, 2.0])), 2)
+        track = self.est.measure(lambda c, t: c * t, self.c, np.array([3.0, 4.0])[:, None], measured=np.ones((2, 2)))
+        self.assertEqual(track.residuals.shape, (2, 2))
+
+    def test_sigma_of_as_many_rows_as_components(self):
+        points = np.array([[3.0, 4.0], [5.0, 6.0]])
+        add = lambda sigma, points=points: self.est.measure(lambda c, p: p - c, self.c, points, sigma=sigma)
+        with self.assertRaisesRegex(slom.Error, r"x\[None\] for one entry for each component"):
+            add([0.1, 0.2])
+        np.testing.assert_allclose(add([[0.1, 0.2]]).whitened_residuals, points / [[0.1, 0.2]])
+        np.testing.assert_allclose(add([[0.1], [0.2]]).whitened_residuals, points / [[0.1], [0.2]])
+        three = np.ones((3, 2))
+        np.testing.assert_allclose(add([0.1, 0.2, 0.5], three).whitened_residuals, three / [[0.1], [0.2], [0.5]])
+        np.testing.assert_allclose(add([0.1, 0.2], three).whitened_residuals, three / [[0.1, 0.2]])
+
+    def test_what_is_no_residual(self):
+        for f, words in [(lambda c: None, "returned None"), (lambda c: "text", "is a str"), (lambda c: {}, "is a dict")]:
+            with self.assertRaisesRegex(slom.Error, words):
+                self.est.measure(f, self.c)
+        for options, words in [
+            ({"sigma": "0.1"}, "sigma is a str"),
+            ({"group": [None]}, "a key of a group is a NoneType"),
+            ({"loss": "huber"}, "loss is a str; pass a loss such as slom.Huber"),
+            ({"loss": slom.Huber(-1)}, "pass a positive finite number"),
+        ]:
+            with self.assertRaisesRegex(slom.Error, words):
+                self.est.measure(lambda c: c, self.c, **options)
+        self.assertEqual(self.est.residuals().size, 0)
+        with self.assertRaisesRegex(slom.Error, "0 or more"):
+            self.est.optimize(max_iterations=-1)
+        with self.assertRaisesRegex(slom.Error, "last row"):
+            slom.SE2(np.ones((3, 3)))
+        fit = self.est.optimize()
+        self.assertFalse(fit.converged)
+        self.assertIn("no measurement depends on", fit.message)
 
 
 class Unrecorded(unittest.TestCase):
@@ -409,6 +651,33 @@ class CurveFit(unittest.TestCase):
         self.assertEqual(slom.curve_fit(lambda x, a, b=2.0: a * x + b, self.x, self.y).names, ["a", "b"])
         self.assertLess(fit.profile("b").lower, fit["b"].value)
         self.assertEqual(len(fit.intervals().rows), 3)
+        np.testing.assert_allclose(fit.predict(self.x), self.f(self.x, *fit.popt))
+        with self.assertRaisesRegex(KeyError, "the parameters are a, b, c"):
+            fit["d"]
+
+    def test_arguments_of_scipy(self):
+        class Bounds:
+            lb, ub = [0, 0, -1], [10, 10, 10]
+
+        fit = slom.curve_fit(self.f, self.x, self.y, bounds=Bounds, method="trf", jac="2-point", maxfev=1000)
+        popt, pcov, info, message, ier = slom.curve_fit(self.f, self.x, self.y, full_output=True)
+        np.testing.assert_allclose(fit.popt, popt, rtol=1e-6)
+        np.testing.assert_allclose(info["fvec"], self.f(self.x, *popt) - self.y)
+        self.assertEqual(ier, 1)
+        with self.assertRaisesRegex(ValueError, "ftol is no option"):
+            slom.curve_fit(self.f, self.x, self.y, ftol=1e-3)
+        with self.assertWarnsRegex(UserWarning, "as many parameters as data"):
+            _, pcov = slom.curve_fit(lambda x, a, b: a + b * x, [0.0, 1.0], [1.0, 3.0])
+        self.assertTrue(np.all(np.isinf(pcov)))
+
+    def test_functions_that_make_arrays_like_x(self):
+        def steps(x, a, b):
+            y = np.zeros_like(x)
+            y[x > 2] = 1.0
+            return a * y + b
+
+        popt, _ = slom.curve_fit(steps, self.x, self.y)
+        self.assertAlmostEqual(popt[1], self.y[self.x <= 2].mean(), places=9)
 
     def test_functions_of_all_of_x(self):
         g = lambda x, a, b: np.cumsum(a * x) + b

@@ -1,6 +1,7 @@
 """The package slom: the circle of the README, and what NumPy does with recorded numbers. Every measurement function is
 also called with plain numbers: the residuals must be equal."""
 
+import importlib.util
 import math
 import unittest
 
@@ -107,6 +108,33 @@ class Recording(unittest.TestCase):
         self.refused(lambda x, p: math.sin(x[0]), "value")
         self.refused(lambda x, p: "text", "str")
         self.refused(lambda x, p: None, "NoneType")
+
+
+@unittest.skipUnless(importlib.util.find_spec("scipy"), "needs SciPy")
+class SciPy(unittest.TestCase):
+    def test_special_functions(self):
+        from scipy import special
+
+        anywhere = np.array([0.0, 0.3, -2.0, 5.0, -30.0, 30.0])
+        within = np.array([0.1, 0.5, 0.9, 1e-9, 0.999, 0.2])
+        for name, at in [("erf", anywhere), ("erfc", anywhere), ("expit", anywhere), ("ndtr", anywhere), ("logit", within)]:
+            with self.subTest(function=name):
+                f = getattr(special, name)
+                est = slom.Estimator()
+                x = est.variable(at, "x")
+                m = est.measure(lambda x: f(x), x, trace=True)
+                np.testing.assert_allclose(m.residuals[0], f(at), rtol=1e-13)
+                self.assertTrue(est.check_derivatives().ok)
+        est = slom.Estimator()
+        x = est.variable(np.array([0.0, 2.0]), "x")
+        m = est.measure(lambda x: [*special.xlogy(x, x + 3), special.xlogy(x[0], x[0])], x, trace=True)
+        np.testing.assert_allclose(m.residuals[0], [0, 2 * np.log(5), 0], rtol=1e-13)
+
+    def test_rotations(self):
+        from scipy.spatial.transform import Rotation
+
+        v = np.array([0.1, -0.2, 0.3])
+        np.testing.assert_allclose(slom.SO3(Rotation.from_rotvec(v)).log(), v, rtol=1e-14)
 
 
 class BadInput(unittest.TestCase):

@@ -97,7 +97,25 @@ TEST(Recording, FunctionsAreThoseOfDualNumbers) {
   EXPECT_FUNCTION(fmax(x, y));
   EXPECT_FUNCTION(fmin(x * y, y));
   EXPECT_FUNCTION(cbrt(x));
+  EXPECT_FUNCTION(x / y);
+  EXPECT_FUNCTION(x / 3.0 + 2.0 / y - (-x) / (x * y) + x / 0.25);
+  EXPECT_FUNCTION(erf(x));
+  EXPECT_FUNCTION(erfc(x));
 #undef EXPECT_FUNCTION
+}
+
+TEST(Recording, QuotientsAreRoundedAsThoseOfNumbers) {
+  Recorded recorded(2);
+  const tape::Tape tape = recorded.recording.finish({floor(recorded.x[0] / recorded.x[1])});
+  for (double a = 1; a <= 60; ++a) {
+    for (double b = 1; b <= a; ++b) {
+      const double x[] = {a, b};
+      const double* const pointers[] = {&x[0], &x[1]};
+      double r = 0;
+      tape.evaluate(1, {pointers, nullptr}, &r, nullptr);
+      EXPECT_EQ(r, std::floor(a / b)) << a << " / " << b;
+    }
+  }
 }
 
 TEST(Recording, TheSideOfASelectionThatIsNotTakenGivesExactlyZero) {

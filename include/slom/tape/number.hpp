@@ -26,6 +26,7 @@ enum class Operation : std::uint8_t {
   subtract,     ///< a - b
   multiply,     ///< a b
   negate,       ///< -a
+  divide,       ///< a / b
   reciprocal,   ///< 1 / a
   scale,        ///< a b, and 0 if b is 0: for derivatives a that may be infinite
   inverse_arc,  ///< a / (a^2 + b^2), and 0 if both are 0: derivatives of atan2
@@ -52,6 +53,7 @@ enum class Operation : std::uint8_t {
   log1p,
   cbrt,
   erf,
+  erfc,
   atan2,
   hypot,
   pow,
@@ -73,7 +75,6 @@ namespace detail {
 /// Returns the result of an operation on numbers of the current recording.
 Number apply(Operation operation, const Number& a);
 Number apply(Operation operation, const Number& a, const Number& b);
-Number divide(const Number& a, const Number& b);
 Condition compare(Operation operation, const Number& a, const Number& b);
 Condition combine(Operation operation, const Condition& a, const Condition& b);
 Number choose(const Condition& condition, const Number& a, const Number& b);
@@ -108,7 +109,7 @@ class Number {
   friend Number operator*(const Number& a, const Number& b) {
     return detail::apply(Operation::multiply, a, b);
   }
-  friend Number operator/(const Number& a, const Number& b) { return detail::divide(a, b); }
+  friend Number operator/(const Number& a, const Number& b) { return detail::apply(Operation::divide, a, b); }
   friend Condition operator<(const Number& a, const Number& b);
   friend Condition operator<=(const Number& a, const Number& b);
   friend Condition operator>(const Number& a, const Number& b);
@@ -205,6 +206,7 @@ SLOM_TAPE_FUNCTION(log)
 SLOM_TAPE_FUNCTION(log1p)
 SLOM_TAPE_FUNCTION(cbrt)
 SLOM_TAPE_FUNCTION(erf)
+SLOM_TAPE_FUNCTION(erfc)
 #undef SLOM_TAPE_FUNCTION
 /// Returns |x|.
 inline Number fabs(const Number& x) { return abs(x); }

@@ -243,6 +243,83 @@ void NormalEquations::addEach(const dense::Kernels& kernel, int arity, int rows,
   }
 }
 
+/// The shape of measurements of the same variables, such as all points of a curve. Their rows are put below each other,
+/// and one product adds them.
+struct NormalEquations::Stack {
+  static constexpr int kMostRows = 64, kMostColumns = 16, kFewest = 4;
+  int arity = 0, rows = 0, width = 0, columns = 0;  ///< columns: those of free variables
+
+  /// Takes the shape of a measurement. Returns whether such measurements can be stacked.
+  bool take(int own_arity, int own_rows, const int* places, const int* dof) {
+    *this = {own_arity, own_rows};
+    for (int k = 0; k < arity; ++k) {
+      width += dof[k];
+      if (places[k] < 0) continue;
+      columns += dof[k];
+      for (int l = 0; l < k; ++l) {
+        if (places[l] == places[k]) return false;
+      }
+    }
+    return rows > 0 && rows * kFewest <= kMostRows && columns <= kMostColumns;
+  }
+  int most() const { return kMostRows / rows; }
+};
+
+/// Adds `count` measurements, not more than stack.most(), at once.
+void NormalEquations::addStack(const dense::Kernels& kernel, const Stack& stack, int count, const int* places,
+                               const int* dof, const Destination* destination, const double* J,
+                               const double* r) {
+  constexpr int stride = Stack::kMostRows;
+  alignas(64) double S[(Stack::kMostColumns + 1) * stride];
+  double P[(Stack::kMostColumns + 1) * (Stack::kMostColumns + 1)];
+  const int rows = count * stack.rows, n = stack.columns + 1;
+  const int padded = (rows + dense::kGramRows - 1) / dense::kGramRows * dense::kGramRows;
+  double* to = S;
+  const double* from = J;
+  for (int k = 0; k < stack.arity; from += stack.rows * dof[k++]) {
+    for (int c = 0; places[k] >= 0 && c < dof[k]; ++c, to += stride) {
+      const double* entry = from + c * stack.rows;
+      for (int m = 0; m < count; ++m, entry += stack.rows * stack.width)
+        for (int i = 0; i < stack.rows; ++i) to[m * stack.rows + i] = entry[i];
+    }
+  }
+  std::copy_n(r, rows, to);
+  for (int c = 0; c < n; ++c) std::fill(S + c * stride + rows, S + c * stride + padded, 0.0);
+  kernel.gram(padded, n, stride, S, P);
+
+  const auto product = [&](int i, int j) { return P[std::max(i, j) * n + std::min(i, j)]; };
+  for (int k = 0, a = 0; k < stack.arity; ++k) {
+    const bool is_free = places[k] >= 0;
+    const Place* const place = is_free ? &place_[at(places[k])] : nullptr;
+    for (int j = 0; is_free && j < dof[k]; ++j) {
+      place->gradient[j] += product(n - 1, a + j);
+      for (int i = 0; i < dof[k]; ++i) place->diagonal[j * dof[k] + i] += product(a + i, a + j);
+    }
+    int b = a + (is_free ? dof[k] : 0);
+    for (int l = k + 1; l < stack.arity; ++l, ++destination) {
+      if (places[l] < 0) continue;
+      if (is_free) {
+        const bool is_below = place_[at(places[l])].column > place->column;
+        double* H = begun(*destination, dof[k] * dof[l]);
+        const int rows_first = is_below ? b : a, columns_first = is_below ? a : b;
+        for (int j = 0; j < dof[is_below ? k : l]; ++j)
+          for (int i = 0; i < dof[is_below ? l : k]; ++i) *H++ += product(rows_first + i, columns_first + j);
+      }
+      b += dof[l];
+    }
+    if (is_free) a += dof[k];
+  }
+}
+
+/// Returns how many measurements have the variables and the shape of the first, up to `count`.
+static int alike(const int* places, const int* dof, const int* rows, int arity, int count) {
+  int n = 1;
+  while (n < count && rows[n] == rows[0] && std::equal(places, places + arity, places + n * arity) &&
+         std::equal(dof, dof + arity, dof + n * arity))
+    ++n;
+  return n;
+}
+
 void NormalEquations::add(const JacobianBatch& batch) {
   const dense::Kernels& kernel = dense::kernels();
   const int arity = structure_->groups[at(batch.group)].arity, products = arity * (arity - 1) / 2;
@@ -252,19 +329,28 @@ void NormalEquations::add(const JacobianBatch& batch) {
   const int* places = placesOf(batch.group) + at(batch.first) * at(arity);
   const int* dof = batch.dof;
   Pairs pairs;
-  for (int m = 0; m < batch.count; ++m) {
+  Stack stack;
+  for (int m = 0, count = 1; m < batch.count; m += count) {
     const int rows = batch.rows[m];
-    if (arity != 2 || !append(kernel, rows, places, dof, *destination, J, r, pairs)) {
+    count = alike(places, dof, batch.rows + m, arity, batch.count - m);
+    if (count >= Stack::kFewest && stack.take(arity, rows, places, dof)) {
       addAll(kernel, pairs);
-      if (arity != 2 || !append(kernel, rows, places, dof, *destination, J, r, pairs))
-        addEach(kernel, arity, rows, places, dof, destination, J, r);
+      count = std::min(count, stack.most());
+      addStack(kernel, stack, count, places, dof, destination, J, r);
+    } else {
+      count = 1;
+      if (arity != 2 || !append(kernel, rows, places, dof, *destination, J, r, pairs)) {
+        addAll(kernel, pairs);
+        if (arity != 2 || !append(kernel, rows, places, dof, *destination, J, r, pairs))
+          addEach(kernel, arity, rows, places, dof, destination, J, r);
+      }
+      if (pairs.count == Pairs::kMost) addAll(kernel, pairs);
     }
-    if (pairs.count == Pairs::kMost) addAll(kernel, pairs);
-    for (int k = 0; k < arity; ++k) J += static_cast<std::ptrdiff_t>(rows) * dof[k];
-    r += rows;
-    places += arity;
-    dof += arity;
-    destination += products;
+    for (int k = 0; k < arity; ++k) J += static_cast<std::ptrdiff_t>(count) * rows * dof[k];
+    r += count * rows;
+    places += count * arity;
+    dof += count * arity;
+    destination += count * products;
   }
   addAll(kernel, pairs);
 }

@@ -63,11 +63,14 @@ class NormalEquations {
   void placeAccumulators();
   void clearUntouched(const std::vector<signed char>& partition);
   struct Pairs;
+  struct Stack;
   bool append(const dense::Kernels& kernel, int rows, const int* places, const int* dof,
               Destination destination, const double* J, const double* r, Pairs& pairs);
   static void addAll(const dense::Kernels& kernel, Pairs& pairs);
   void addEach(const dense::Kernels& kernel, int arity, int rows, const int* places, const int* dof,
                const Destination* destination, const double* J, const double* r);
+  void addStack(const dense::Kernels& kernel, const Stack& stack, int count, const int* places,
+                const int* dof, const Destination* destination, const double* J, const double* r);
   const int* placesOf(int group) const;
   const double* values(int block) const;
   double* values(int block) { return const_cast<double*>(std::as_const(*this).values(block)); }

@@ -66,6 +66,9 @@ struct PairProduct {
   bool AB_is_new;  ///< AB has no value yet and is taken as 0
 };
 
+/// The number of rows of gram is a multiple of this.
+inline constexpr int kGramRows = 8;
+
 /// Starts of two matrices, in units of kRowPadding numbers.
 struct Pair {
   std::uint32_t a, b;
@@ -99,6 +102,9 @@ struct Kernels {
   void (*backwardPivots)(const double* D, const double* inverse, int p, double* x);
   /// Computes H += A^T B for A rows x k, B rows x l, H k x l, all column-major and contiguous.
   void (*addProduct)(int rows, int k, int l, const double* A, const double* B, double* H);
+  /// Computes P := S^T S, the lower triangle of columns x columns, row-major. Column j of S is at S + j stride, with a
+  /// multiple of kGramRows rows.
+  void (*gram)(int rows, int columns, int stride, const double* S, double* P);
   /// Computes for each of `count`, in order: AA += A^T A, BB += B^T B, AB += A^T B, Ar += A^T r, Br += B^T r for A rows
   /// x k and B rows x l, stored as for addProduct. For unsupported sizes, returns false and does nothing.
   bool (*addPairs)(int rows, int k, int l, int count, const PairProduct* pairs);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr Kernels makeKernels(const char* name) {
   return {name,          &factorize,   &solveStripes, &updateStripes,  &addToPanel,   &addToUpdate,    &addShuffledToPanel, &addShuffledToUpdate, &forwardPivots,
-          &forwardRows, &backwardRows, &backwardPivots, &addProduct, &addPairs, &solveRight, &subtractOuters,
+          &forwardRows, &backwardRows, &backwardPivots, &addProduct, &gram, &addPairs, &solveRight, &subtractOuters,
           &subtractProduct, &subtractTransposedProduct, &eliminate, &forwardColumn, &backwardColumn};
 }
 

@@ -18,6 +18,16 @@ inline void accumulate(int rows, int l, const double* A, const double* B, int b,
 /// H += A^T B for A of K columns: A is transposed first, so that its columns lie across the lanes.
 template <int K>
 void addProductOf(int rows, int l, const double* A, const double* B, double* H) {
+  if constexpr (K <= 2) {  // wide loads of what is stored narrowly would wait for the stores
+    for (int j = 0; j < l; ++j, B += rows, H += K) {
+      for (int i = 0; i < K; ++i) {
+        double sum = H[i];
+        for (int r = 0; r < rows; ++r) sum = plusProduct(sum, A[i * rows + r], B[r]);
+        H[i] = sum;
+      }
+    }
+    return;
+  }
   double transposed[kMostRows * padded(K)];
   for (int first = 0; first < rows; first += kMostRows) {
     const int count = smaller(kMostRows, rows - first);
@@ -45,6 +55,21 @@ void addProduct(int rows, int k, int l, const double* A, const double* B, double
       double sum = 0;
       for (int r = 0; r < rows; ++r) sum = plusProduct(sum, A[i * rows + r], B[j * rows + r]);
       H[j * k + i] += sum;
+    }
+  }
+}
+
+void gram(int rows, int columns, int stride, const double* S, double* P) {
+  for (int i = 0; i < columns; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const double *const a = S + i * stride, *const b = S + j * stride;
+      Vector even = all(0), odd = all(0);
+      for (int r = 0; r < rows; r += kGramRows) {
+        even = plusProduct(even, load(a + r), load(b + r));
+        odd = plusProduct(odd, load(a + r + kLanes), load(b + r + kLanes));
+      }
+      const Vector sum = even + odd;
+      P[i * columns + j] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
     }
   }
 }
