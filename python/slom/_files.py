@@ -92,7 +92,7 @@ class PoseGraph:
 
         def measure(f, name, edges, information, *arguments):
             if len(edges):
-                noise: Dict[str, Any] = {} if loss is None else {"loss": loss}
+                noise = {} if loss is None else {"loss": loss}
                 est.measure(f, *arguments, measured=edges.measured, information=information, name=name, **noise)
 
         e, s, b, x, p = self.edges, self.sightings, self.bearings, self.pose_priors, self.position_priors
