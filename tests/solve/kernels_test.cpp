@@ -226,6 +226,28 @@ TEST(Kernels, EliminatePointsAsEigenDoes) {
   }
 }
 
+TEST(Kernels, MultiplyStackedRowsAsEigenDoes) {
+  Random random;
+  for (const int rows : {kGramRows, 3 * kGramRows, 8 * kGramRows}) {
+    for (const int columns : {1, 2, 4, 17}) {
+      const MatrixXd S = random.matrix(rows + 5, columns);
+      const MatrixXd expected = S.topRows(rows).transpose() * S.topRows(rows);
+      std::vector<Numbers> results;
+      for (const Kernels* kernels : available()) {
+        Numbers P(static_cast<std::size_t>(columns * columns), 0.0);
+        kernels->gram(rows, columns, rows + 5, S.data(), P.data());
+        for (int i = 0; i < columns; ++i) {
+          for (int j = 0; j <= i; ++j)
+            EXPECT_NEAR(P[static_cast<std::size_t>(i * columns + j)], expected(i, j), 1e-13 * rows)
+                << kernels->name;
+        }
+        results.push_back(P);
+      }
+      expectAlike(results, "S^T S");
+    }
+  }
+}
+
 TEST(Kernels, AddWhatAMeasurementOfTwoVariablesDoes) {
   Random random;
   struct Shape {

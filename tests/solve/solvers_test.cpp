@@ -328,6 +328,37 @@ TEST(Solvers, AddUpThePartitionsOfManyMeasurements) {
   }
 }
 
+/// Returns a problem whose measurements come in runs of the same variables: some fixed, some twice in a measurement.
+RandomProblem runs(int count, unsigned seed) {
+  std::mt19937 rng(seed);
+  const auto any = [&](int first, int last) { return std::uniform_int_distribution<int>(first, last)(rng); };
+  RandomProblem problem(randomSizes(8, rng), seed);
+  for (const int arity : {1, 2, 3, 4}) {
+    for (const int rows : {1, 2, 5, 16, 17}) {
+      std::vector<std::vector<int>> cliques;
+      for (int i = 0; i < count; ++i) {
+        std::vector<int> clique;
+        for (int k = 0; k < arity; ++k) clique.push_back(any(-1, 7));
+        constexpr int lengths[] = {1, 3, 4, 5, 63, 64, 65, 130};
+        cliques.insert(cliques.end(), static_cast<std::size_t>(lengths[any(0, rows > 4 ? 3 : 7)]), clique);
+      }
+      problem.addGroup(cliques, rows);
+    }
+  }
+  addPriors(problem);
+  return problem;
+}
+
+TEST(Solvers, AddRunsOfMeasurementsOfTheSameVariables) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    const RandomProblem problem = runs(4, seed);
+    slom::BlockSolver solver, by_elimination(Options{.elimination = Options::Elimination::none});
+    const Oracle oracle(problem);
+    expectSameAsOracle(problem, oracle, solver);
+    expectSameAsOracle(problem, oracle, by_elimination);
+  }
+}
+
 TEST(Solvers, HandleOneGiantBlockAndEmptyGroups) {
   RandomProblem problem({120, 1, 1}, 3);
   problem.addGroup({{0, 1}, {0, 2}, {1, 0}}, 60);
