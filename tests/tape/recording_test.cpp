@@ -97,11 +97,21 @@ TEST(Recording, FunctionsAreThoseOfDualNumbers) {
   EXPECT_FUNCTION(fmax(x, y));
   EXPECT_FUNCTION(fmin(x * y, y));
   EXPECT_FUNCTION(cbrt(x));
-  EXPECT_FUNCTION(x / y);
-  EXPECT_FUNCTION(x / 3.0 + 2.0 / y - (-x) / (x * y) + x / 0.25);
+  EXPECT_FUNCTION(x / 3.0 + x / 0.25 - (-y) / (x * x + 2.0));
   EXPECT_FUNCTION(erf(x));
   EXPECT_FUNCTION(erfc(x));
 #undef EXPECT_FUNCTION
+}
+
+TEST(Recording, QuotientsAndTheirDerivativesAreThoseOfNumbers) {
+  const auto quotient = [](const Number& x, const Number& y) { return x / y; };
+  for (const double x : kHard) {
+    for (const double y : kHard) {
+      if (y == 0) continue;
+      const std::vector<double> got = atPoint(quotient, x, y), expected{x / y, 1 / y, -(x / y) * (1 / y)};
+      EXPECT_EQ(got, expected) << x << " / " << y;
+    }
+  }
 }
 
 TEST(Recording, QuotientsAreRoundedAsThoseOfNumbers) {
