@@ -52,6 +52,9 @@ BY_HAND_PYTHON = {  # of the Python package
     "slom.not-fitted": ("the curve is not fitted: iteration limit reached", "pass better start values p0"),
     "slom.not-picklable": ("an estimator cannot be pickled", "write it by est.save(file) and read it by slom.load(file), or copy it by est.clone()"),
     "slom.same-name": ("several fitted components are called x, but these values are found by name", "give each variable its own name"),
+    "slom.too-large": ("the joint covariance of 59997 components is too large to compute",
+                       "take x.covariance of variables and arrays of variables, or est.covariance([a, b]) of some"),
+    "slom.traced-comparison": ("an SE3 of recorded numbers is compared by ==", "compare numbers of a - b by < or slom.where"),
     "slom.traced-differs": ("the measurement function model gives 1.0 where its recorded formula gives 2.0, so it depends on more than its arguments, "
                             "or branches", "pass all it depends on as arguments, and write slom.where in place of `if`"),
     "slom.wrong-jacobian": ("the function `jacobian` returns an array of shape (2, 3) for 1 residuals and 1 components of the variables",

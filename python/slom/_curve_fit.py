@@ -1,6 +1,7 @@
+import functools
 import inspect
 import warnings
-from typing import Any, Callable, Dict, Iterator, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, Optional, Sequence, Tuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -85,6 +86,25 @@ class BadCurve(Error, ValueError):
     """Data or options of a curve that cannot be used."""
 
 
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def _with_scipys_errors(function: F) -> F:
+    """Makes errors of data ValueErrors, as in SciPy."""
+
+    @functools.wraps(function)
+    def wrapped(*arguments: Any, **options: Any) -> Any:
+        try:
+            return function(*arguments, **options)
+        except (NotFitted, BadCurve):
+            raise
+        except Error as error:
+            raise BadCurve(str(error), error.subject) from error
+
+    return cast(F, wrapped)
+
+
+@_with_scipys_errors
 def curve_fit(
     f: Callable[..., Any],
     xdata: ArrayLike,
@@ -115,6 +135,7 @@ def curve_fit(
     method, jac     have no effect: the derivatives are exact, and the estimator chooses the algorithm
     full_output     True: the result unpacks to popt, pcov, infodict, message, ier, with fvec, nfev and njev in infodict
     maxfev          the most iterations
+    ftol, xtol, gtol  are decrease_tolerance, step_tolerance and gradient_tolerance of Estimator.optimize
     check_finite    has no effect: data that are not finite are refused in any case
     nan_policy      None or "raise": data that are not finite are refused. "omit": they are left out
     names           names of the parameters in reports; without them those of f's arguments
@@ -137,19 +158,26 @@ def curve_fit(
         raise _error(f'nan_policy is {nan_policy!r}; pass None, "raise" or "omit"', "nan_policy")
     if maxfev is not None:
         options["max_iterations"] = maxfev
+    for scipys, own in _TOLERANCES.items():
+        if scipys in options:
+            options[own] = options.pop(scipys)
     unknown = sorted(set(options) - _OPTIONS)
     if unknown:
         raise _error(f"{unknown[0]} is no option; pass one of {', '.join(sorted(_OPTIONS))}", unknown[0])
-    bounds = (bounds.lb, bounds.ub) if hasattr(bounds, "lb") else bounds
-    names = list(names) if names is not None else _names(f, None if p0 is None else np.size(p0))
-    lower, upper = (np.broadcast_to(np.asarray(b, float), len(names)) for b in bounds)
+    p0 = None if p0 is None else np.atleast_1d(_numbers(p0, "p0"))
+    given = _names(f, None if p0 is None else len(p0))
+    names = list(names) if names is not None else given
+    if len(names) != len(given) or len(set(names)) < len(names):
+        raise _error(f"names are {', '.join(names)} for {len(given)} parameters; pass a name of its own for each", "names")
+    lower, upper = _limits(bounds, names)
     if p0 is None:
-        p0 = [_start(a, b) for a, b in zip(lower, upper)]
-    p0 = np.atleast_1d(np.asarray(p0, float))
+        p0 = np.array([_start(a, b) for a, b in zip(lower, upper)])
     if len(p0) != len(names):
         raise _error(f"p0 has {len(p0)} start values for {len(names)} parameters; pass one for each parameter", "p0")
     x, y = np.asarray(xdata, float), np.asarray(ydata, float)
     rows = x.T if x.ndim > 1 else x
+    if y.size == 0:
+        raise _error("there are no data; pass at least as many values as there are parameters", "ydata")
     if y.ndim != 1 or len(rows) != len(y):
         raise _error(
             f"xdata has {len(np.atleast_1d(rows))} values and ydata the shape {y.shape}; pass one value of ydata for each",
@@ -184,13 +212,50 @@ def curve_fit(
             raise BadCurve(str(error), error.subject) from error
     fit = estimator.optimize(**options)
     if not fit.converged:
-        raise NotFitted(f"[slom.not-fitted] the curve is not fitted: {fit.message}; pass better start values p0", label)
+        raise NotFitted(f"[slom.not-fitted] the curve is not fitted: {_reason(fit)}", label)
     curve = CurveFit(f, estimator, variables, fit)
     if full_output:
         info = {"fvec": np.asarray(f(x, *curve.popt), float) - y, "nfev": fit.iterations, "njev": fit.iterations}
         curve._unpacked += (info, fit.message, 1)
     return curve
 
+
+def _reason(fit):
+    if fit.stop_reason == "rank deficient":
+        fault = fit.message.partition("] ")[2].partition("; ")[0]
+        return f"{fault}; drop a parameter, or add data that depend on it"
+    return f"{fit.message}; pass better start values p0, or maxfev"
+
+
+def _numbers(values, what):
+    try:
+        return np.asarray(values, float)
+    except (TypeError, ValueError):
+        raise _error(f"{what} is no array of numbers; pass one for each parameter", what) from None
+
+
+def _limits(bounds, names):
+    if hasattr(bounds, "lb"):
+        bounds = bounds.lb, bounds.ub
+    is_pair = isinstance(bounds, (tuple, list, np.ndarray)) and len(bounds) == 2
+    limits = [_numbers(b, "bounds") for b in bounds] if is_pair else []
+    if not is_pair or any(b.ndim > 1 or b.size not in (1, len(names)) for b in limits):
+        raise _error(
+            f"bounds are not two lists for {len(names)} parameters; pass (lower, upper), each a number or one for each "
+            "parameter",
+            "bounds",
+        )
+    lower, upper = (np.broadcast_to(b, len(names)) for b in limits)
+    for name, a, b in zip(names, lower, upper):
+        if not a < b:
+            raise _error(
+                f"the bounds of {name} are {a:g} and {b:g}; pass (lower bounds, upper bounds), the lower below the upper",
+                "bounds",
+            )
+    return lower, upper
+
+
+_TOLERANCES = {"ftol": "decrease_tolerance", "xtol": "step_tolerance", "gtol": "gradient_tolerance"}
 
 _OPTIONS = {
     *("max_iterations", "max_seconds", "gradient_tolerance", "decrease_tolerance", "step_tolerance"),
@@ -213,8 +278,12 @@ def _measured_by_row(estimator, f, variables, x, rows, y, p0, options):
 
 
 def _names(f, count):
-    parameters = list(inspect.signature(f).parameters.values())[1:]
-    if any(p.kind is p.VAR_POSITIONAL for p in parameters):
+    if isinstance(f, np.vectorize):
+        f = f.pyfunc
+    parameters = list(inspect.signature(f).parameters.values())
+    any_number = any(p.kind is p.VAR_POSITIONAL for p in parameters)
+    parameters = parameters[1:]
+    if any_number:
         if count is None:
             raise _error("f takes any number of parameters; pass p0, one start value for each", "p0")
         return [f"p{i}" for i in range(count)]

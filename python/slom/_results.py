@@ -109,6 +109,8 @@ def calibrate(*files: PathLike, **options: Any) -> Calibration:
 
     All options of the command are keyword arguments, with _ in place of -: `slom calibrate --help-all` lists them. Flags
     take True; options that are repeated take a list, or a dict of NAME=VALUE."""
+    if len(files) == 1 and isinstance(files[0], (list, tuple)):  # as of glob
+        files = tuple(files[0])
     if files:
         if options.get("camera"):
             raise Error("[slom.bad-option] camera is passed beside corner files; pass all of them by camera", "camera")

@@ -11,6 +11,13 @@ _WORDS: List[Any] = [
      "the variable has been removed from its estimator; use one that est.variable returned"),
     (f"{_MEASUREMENT} refers to a measurement that has been removed; keep the MeasID that insertMeasurement returned last",
      "the measurement has been removed from its estimator; use one that est.measure returned"),
+    (f"{_VARIABLE} refers to a variable that was not in the problem when the marginals were computed; call marginals"
+     r"\(\) again, of the estimator that holds it",
+     "the variable has been removed from its estimator; use one that est.variable returned"),
+    (r"slom::checkDerivatives\(est\)", "est.check_derivatives()"),
+    (r"pass larger steps, as in slom::numeric\(f, slom::differences\(1e-2\)\)", "pass its derivatives as jacobian="),
+    (r"is not registered with the archive; name it by archive\.measurement, with the function's type and those of its "
+     r"arguments", "is that of a function that could not be recorded; write it so that measure can record it"),
     (f"{_VARIABLE} belongs to another estimator; use it only with the estimator whose insertRV returned it",
      "the variable belongs to another estimator; use it with its own, or est.own(x) for that of a clone"),
     (f"{_MEASUREMENT} belongs to another estimator; use it only with the estimator whose insertMeasurement returned it",

@@ -250,6 +250,17 @@ std::string textOf(const T& x, const char* name) {
   }
 }
 
+/// Returns whether two values are the same, to the last bit. Opposite quaternions are the same rotation.
+bool isSame(const mtk::SO2<double>& x, const mtk::SO2<double>& y) { return x.angle() == y.angle(); }
+bool isSame(const mtk::SO3<double>& x, const mtk::SO3<double>& y) {
+  return x.coeffs() == y.coeffs() || x.coeffs() == -y.coeffs();
+}
+bool isSame(const mtk::S2<double>& x, const mtk::S2<double>& y) { return x.vector() == y.vector(); }
+template <class R>
+bool isSame(const mtk::trafo<R>& x, const mtk::trafo<R>& y) {
+  return x.pos == y.pos && isSame(x.orient, y.orient);
+}
+
 [[noreturn]] void raiseArguments(const char* name, const char* accepted) {
   throw mtk::Error("slom.bad-argument",
                    std::string(name) + " was given arguments that do not make one; pass " + accepted, name);
@@ -301,6 +312,9 @@ template <template <class> class G, template <class> class R, class S>
 nb::object makePose(nb::handle pos, nb::handle orient, const char* name, const char* accepted) {
   constexpr int dim = G<S>::DIM;
   if (isA<R>(pos)) std::swap(pos, orient);
+  if (dim == 2 && orient.is_none() && !pos.is_none() && !isA<G>(pos) &&
+      shapeOf(pos) == std::vector<std::size_t>{3})
+    raiseArguments(name, "SE2(x, y, angle), or SE2([x, y], angle)");
   if (isA<G>(pos) && orient.is_none()) return nb::borrow(pos);
   G<S> T;
   if (!pos.is_none() && orient.is_none() && shapeOf(pos).size() == 2) {
@@ -356,8 +370,23 @@ nb::class_<G<S>> bindOne(nb::module_& module, const char* name, const char* doc)
           "boxplus", [name](nb::handle x, nb::handle d) { return boxplus<G>(x, d, name); }, "d"_a,
           "Returns self [+] d.")
       .def("__add__", [name](nb::handle x, nb::handle d) { return boxplus<G>(x, d, name); })
+      .def("__eq__",
+           [name](const G<S>& x, nb::handle y) -> nb::object {
+             if (!isA<G>(y)) return nb::borrow(nb::handle(Py_NotImplemented));
+             if constexpr (std::is_same_v<S, double>) {
+               if (nb::isinstance<G<double>>(y)) return nb::cast(isSame(x, nb::cast<G<double>>(y)));
+             }
+             throw mtk::Error(
+                 "slom.traced-comparison",
+                 std::string("an ") + name +
+                     " of recorded numbers is compared by ==; compare numbers of a - b by < or slom.where",
+                 name);
+           })
+      .def("__copy__", [](const G<S>& x) { return x; })
+      .def("__deepcopy__", [](const G<S>& x, nb::handle) { return x; })
       .def("__repr__", [name](const G<S>& x) { return textOf(x, name); });
   c.attr("__array_ufunc__") = nb::none();  // so that NumPy's arrays leave operators to this class
+  c.attr("__hash__") = nb::none();
   return c;
 }
 /// Declares what groups have in common. R: the poses of a rotation, the rotations of a pose.

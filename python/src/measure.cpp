@@ -1,5 +1,7 @@
 #include "measure.hpp"
 
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -127,6 +129,10 @@ void setGroups(Estimator& est, const std::vector<AnyMeasID>& ids, const std::str
                nb::handle keys) {
   const auto groupOf = [&](nb::handle key) {
     if (nb::isinstance<nb::str>(key)) return group(dimension, std::string_view(nb::cast<std::string>(key)));
+    if (nb::hasattr(key, "isoformat"))  // dates
+      return group(dimension, std::string_view(nb::cast<std::string>(nb::str(key))));
+    if (PyFloat_Check(key.ptr()) && std::floor(nb::cast<double>(key)) == nb::cast<double>(key))
+      return group(dimension, static_cast<std::int64_t>(nb::cast<double>(key)));
     if (!nb::hasattr(key, "__index__")) {
       throw mtk::Error("slom.bad-argument",
                        "a key of a group is a " + nb::cast<std::string>(key.type().attr("__name__")) +
@@ -138,6 +144,13 @@ void setGroups(Estimator& est, const std::vector<AnyMeasID>& ids, const std::str
   if (nb::isinstance<nb::str>(keys) || !nb::hasattr(keys, "__len__")) {
     for (const AnyMeasID& id : ids) est.setGroup(id, groupOf(keys));
     return;
+  }
+  if (nb::hasattr(keys, "ndim") && nb::cast<int>(keys.attr("ndim")) > 1) {
+    throw mtk::Error(
+        "slom.bad-argument",
+        "the keys of groups have more than one dimension; pass one column, or a dict with a column for each "
+        "kind of groups",
+        "group");
   }
   if (nb::len(keys) != ids.size()) {
     throw mtk::Error("slom.bad-argument",

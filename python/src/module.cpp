@@ -105,6 +105,14 @@ VariableArray variables(const Shared& est, nb::handle values, const std::string&
 Eigen::VectorXd residuals(const Estimator& est, const std::optional<std::string>& label) {
   const Eigen::VectorXd all = est.residuals();
   if (!label) return all;
+  std::set<std::string> names;
+  for (const auto& pool : est.table().pools()) names.insert(pool->label());
+  if (!names.count(*label)) {
+    std::string known;
+    for (const std::string& name : names) known += (known.empty() ? "" : ", ") + name;
+    throw mtk::Error("slom.bad-option",
+                     "there are no measurements called \"" + *label + "\"; pass one of " + known, "name");
+  }
   std::vector<Eigen::Index> chosen;
   Eigen::Index next = 0;
   for (const auto& pool : est.table().pools()) {
@@ -182,16 +190,19 @@ nb::dict byName(const Shared& est, const std::vector<AnyVarID>& ids) {
     all.ids.push_back(id);
   }
   nb::dict variables;
-  for (const AnyVarID& id : ids) {
-    std::string name = est->nameOf(id);
-    const auto entry = entryOf(name);
-    if (entry && !not_arrays.count(entry->first)) {
-      variables[nb::str(entry->first.c_str())] = arrays[entry->first];
-      continue;
-    }
-    const std::string own = name;
+  const auto add = [&](const std::string& own, const nb::object& x) {
+    std::string name = own;
     for (int k = 2; variables.contains(name.c_str()); ++k) name = own + " (" + std::to_string(k) + ")";
-    variables[nb::str(name.c_str())] = Variable{est, id, ValueType::of(RuntimeType::of(id))};
+    variables[nb::str(name.c_str())] = x;
+  };
+  for (const AnyVarID& id : ids) {
+    const std::string name = est->nameOf(id);
+    const auto entry = entryOf(name);
+    if (!entry || not_arrays.count(entry->first)) {
+      add(name, nb::cast(Variable{est, id, ValueType::of(RuntimeType::of(id))}));
+    } else if (entry->second == 0) {
+      add(entry->first, nb::cast(arrays[entry->first]));
+    }
   }
   return variables;
 }
@@ -318,10 +329,16 @@ NB_MODULE(_slom, module) {
       .def_prop_ro(
           "warnings", [](const Estimator& est) { return inWords(est.warnings()); },
           "A sentence for each variable that no measurement depends on.")
-      .def("remove", alone(+[](Estimator& est, nb::handle variables) {
-             for (const AnyVarID& id : handlesOf(variables)) est.removeRV(id);
+      .def("remove", alone(+[](Estimator& est, nb::handle what) {
+             if (nb::isinstance<slom::MeasurementCheck>(what)) {
+               est.removeMeasurement(nb::cast<slom::MeasurementCheck>(what).id);
+             } else {
+               for (const AnyVarID& id : handlesOf(what)) est.removeRV(id);
+             }
            }),
-           "variables"_a, "Removes variables that no measurement depends on.")
+           "what"_a,
+           "Removes variables that no measurement depends on; or the measurement of a check: "
+           "est.remove(est.outliers().ranking[0]).")
       .def("marginalize", alone(+[](Estimator& est, nb::handle variables, bool first_estimates) {
              est.marginalize(handlesOf(variables), {.first_estimates = first_estimates});
            }),

@@ -66,6 +66,14 @@ PlainFunction::PlainFunction(const Call& call, nb::handle jacobian) {
 }
 
 namespace {
+/// Throws an error of the package as one of the library, which passes the fit as it is.
+[[noreturn]] void throwAsOwn(const nb::python_error& error) {
+  const auto part = [&](const char* name) {
+    return nb::cast<std::string>(nb::str(nb::object(nb::handle(error.value()).attr(name))));
+  };
+  throw mtk::Error(part("id"), part("sentence"), part("subject"));
+}
+
 /// Returns f(), which calls Python, from a thread without the interpreter's lock.
 template <class F>
 auto calling(const F& f) {
@@ -73,6 +81,7 @@ auto calling(const F& f) {
   try {
     return f();
   } catch (nb::python_error& error) {
+    if (error.matches(nb::module_::import_("slom._error").attr("Error"))) throwAsOwn(error);
     if (!error.matches(PyExc_KeyboardInterrupt) || !Interrupt::request()) throw FunctionThrew(error);
   }
   return f();  // the fit asks before its next step whether it shall end

@@ -132,7 +132,7 @@ std::string differenceFrom(const Call& call, const Recorded& recorded) {
 void warn(const std::string& text) {
   const nb::object package = nb::module_::import_("slom");
   nb::module_::import_("warnings")
-      .attr("warn")(text, package.attr("SlowFunctionWarning"), "stacklevel"_a = 3);
+      .attr("warn")(text, package.attr("SlowFunctionWarning"), "stacklevel"_a = 1);
 }
 
 }  // namespace
@@ -164,12 +164,13 @@ std::optional<Recorded> recordedOrNot(const Call& call, const std::string& label
     plainResidual(call, 0, valuesOf(call, 0, false));  // raises the user's own mistakes
     refusal = "cannot be recorded: " + std::string(error.sentence());
   } catch (nb::python_error& error) {
-    if (trace == true) throw;
-    plainResidual(call, 0, valuesOf(call, 0, false));  // raises the user's own mistakes
+    if (trace == true || !error.matches(PyExc_Exception)) throw;  // such as KeyboardInterrupt
+    plainResidual(call, 0, valuesOf(call, 0, false));             // raises the user's own mistakes
     const nb::object sentence = nb::getattr(error.value(), "sentence", nb::str(error.value()));
     refusal = "cannot be recorded: " + nb::cast<std::string>(sentence);
   }
-  warn("the measurement function " + label + " " + refusal +
+  const std::string name = label == "function" ? "" : " " + label;
+  warn("the measurement function" + name + " " + refusal +
        ". It is called for each measurement, with numeric derivatives, which is slow");
   return std::nullopt;
 }

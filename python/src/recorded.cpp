@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <nanobind/stl/string.h>
 
@@ -21,6 +22,8 @@ namespace {
 
 /// The last condition whose value was asked for. NumPy 1.24 swallows the error in `array == x`.
 thread_local std::optional<Condition> refused;
+/// The last error about the value of a number, which a function may swallow, too.
+thread_local std::optional<mtk::Error> refused_value;
 
 [[noreturn]] void raiseBranch() {
   throw mtk::Error(
@@ -32,6 +35,7 @@ thread_local std::optional<Condition> refused;
 
 /// Throws if the function of this recording went on after such an error.
 void checkRefused() {
+  if (refused_value) throw mtk::Error(*std::exchange(refused_value, std::nullopt));
   if (!refused) return;
   const Condition condition = *refused;
   refused.reset();
@@ -81,6 +85,7 @@ nb::object arrayOf(const std::vector<Number>& numbers, const std::vector<std::si
 }
 
 nb::object callRecorded(nb::handle f, const nb::tuple& arguments) {
+  refused_value.reset();
   return nb::module_::import_("slom._call").attr("call")(f, arguments);
 }
 
@@ -108,7 +113,7 @@ void appendNumbers(nb::handle result, std::vector<Number>& numbers) {
 namespace {
 
 [[noreturn]] void raiseValue(const char* function, const char* remedy) {
-  throw mtk::Error(
+  throw refused_value.emplace(
       "slom.traced-value",
       std::string(function) + " needs the value of a recorded number, which is not known yet; " + remedy,
       "measure");

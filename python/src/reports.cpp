@@ -86,6 +86,15 @@ Eigen::MatrixXd covarianceOf(const Fit& fit) {
     }
     first += record.dof;
   }
+  constexpr int most = 20000;
+  if (first > most) {
+    throw mtk::Error(
+        "slom.too-large",
+        "the joint covariance of " + std::to_string(first) +
+            " components is too large to compute; take x.covariance of variables and arrays of variables, or "
+            "est.covariance([a, b]) of some",
+        "covariance");
+  }
   return fit.est->jointCovariance(ids)(fitted, fitted);
 }
 
@@ -183,6 +192,19 @@ void bindFit(nb::module_& module) {
       .def("__repr__", [](const Fit& fit) { return textOf(fit.summary); });
 }
 
+Eigen::MatrixXd jointCovarianceOf(const Clustered& clustered, const std::vector<AnyVarID>& ids) {
+  if (ids.size() == 1) return clustered.covariance(ids[0]);
+  std::vector<Eigen::Index> start{0};
+  for (const AnyVarID& id : ids) start.push_back(start.back() + clustered.covariance(id).rows());
+  Eigen::MatrixXd C(start.back(), start.back());
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    for (std::size_t j = 0; j < ids.size(); ++j)
+      C.block(start[i], start[j], start[i + 1] - start[i], start[j + 1] - start[j]) =
+          clustered.covariance(ids[i], ids[j]);
+  }
+  return C;
+}
+
 void bindClustered(nb::module_& module) {
   nb::class_<ClusterCheck>(module, "ClusterCheck", "A test of one group.")
       .def_ro("group", &ClusterCheck::group)
@@ -194,8 +216,11 @@ void bindClustered(nb::module_& module) {
                               "Groups that pull the values more than the others do.")
       .def_prop_ro("suspects", &ClusterOutliers::suspects, "The number of suspects.");
   bindReport<Clustered>(module, "Clustered", "Covariances for errors that measurements share within groups.")
-      .def("covariance",
-           [](const Clustered& c, const Variable& x) { return Eigen::MatrixXd(c.covariance(x.id)); })
+      .def(
+          "covariance",
+          [](const Clustered& c, nb::handle variables) { return jointCovarianceOf(c, handlesOf(variables)); },
+          "variables"_a,
+          "Returns the covariance of a variable, or the joint covariance of a list of variables, for est.propagate.")
       .def("std",
            [](const Clustered& c, const Variable& x) { return Eigen::VectorXd(c.standardDeviation(x.id)); })
       .def("degrees_of_freedom",
@@ -331,7 +356,7 @@ void bindReports(nb::module_& module, nb::class_<Estimator>& estimator) {
              return clustered(est, options);
            }),
            "by"_a = nb::none(), nb::kw_only(), "correction"_a = "by_leverage", "ordered"_a = false,
-           "refit"_a = false, doc::kClustered)
+           "refit"_a = false, nb::keep_alive<0, 1>(), doc::kClustered)
       .def(
           "variance_components",
           alone(+[](Estimator& est, const std::vector<std::string>& kinds, bool apply_them) {

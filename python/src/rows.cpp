@@ -167,6 +167,21 @@ void bindRows(nb::module_& module) {
                                    rows.row(i) + first + type->coordinates());
              return toPython(std::move(some));
            })
+      .def(
+          "__setattr__",
+          [](const Rows&, const std::string& name, nb::handle) {
+            throw nb::attribute_error(
+                ("Rows are copies, so " + name + " cannot be set; make new Rows, or assign to x.value")
+                    .c_str());
+          },
+          "name"_a, "value"_a.none())
+      .def("__reduce__",
+           [](nb::handle rows) {
+             const Rows& own = nb::cast<const Rows&>(rows);
+             if (own.size() == 0) return nb::make_tuple(rows.type(), nb::make_tuple(nb::list()));
+             return nb::make_tuple(rows.type(),
+                                   nb::make_tuple(rows.attr("numbers"), own.type->value(own.row(0))));
+           })
       .def_prop_ro(
           "numbers",
           [](const Rows& rows) {

@@ -134,6 +134,13 @@ void bindVariables(nb::module_& module) {
            "lower"_a = -kInfinity, "upper"_a = kInfinity, "path"_a = "", doc::kBound)
       .def("remove", alone(+[](const Variable& x) { x.est->removeRV(x.id); }),
            "Removes the variable. No measurement may depend on it.")
+      .def("__eq__",
+           [](const Variable& x, nb::handle y) -> nb::object {
+             if (!nb::isinstance<Variable>(y)) return nb::borrow(nb::handle(Py_NotImplemented));
+             const auto other = nb::cast<Variable>(y);
+             return nb::cast(x.est == other.est && x.id == other.id);
+           })
+      .def("__hash__", [](const Variable& x) { return std::hash<const void*>()(x.id.current()); })
       .def("__repr__", [](const Variable& x) {
         return x.est->nameOf(x.id) + " = " + nb::cast<std::string>(nb::repr(x.type->value(x.numbers())));
       });

@@ -37,8 +37,11 @@ double Convergence::mostNear(double rss) const {
 
 bool Convergence::isNear(double promised, double rss) const { return promised <= mostNear(rss); }
 
+/// Returns whether rounding errors of the residuals hide the promise. If the residuals are rounding errors themselves, as
+/// those of exact data, they show no variance to compare with.
 bool Convergence::isRounding(double promised, double rss) {
-  return promised <= kMostRounding * variance(rss) && promised <= evaluator_.roundingOfPromises();
+  const double rounding = evaluator_.roundingOfPromises();
+  return promised <= rounding && (promised <= kMostRounding * variance(rss) || rounding >= kIsRounding * rss);
 }
 
 /// Returns the promise, marked as unknown if rank is lost and rounding matters. Residuals may be small differences of

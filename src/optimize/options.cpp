@@ -40,6 +40,14 @@ void checkLimits(const Options& options) {
                 "max_seconds is " + number(options.max_seconds, 6) + "; pass a positive number",
                 "max_seconds");
   }
+  const std::pair<const char*, double> tolerances[] = {{"gradient_tolerance", options.gradient_tolerance},
+                                                       {"decrease_tolerance", options.decrease_tolerance},
+                                                       {"step_tolerance", options.step_tolerance}};
+  for (const auto& [name, tolerance] : tolerances) {
+    if (tolerance >= 0) continue;
+    throw Error("slom.bad-option",
+                std::string(name) + " is " + number(tolerance, 6) + "; pass 0 or more, such as 1e-10", name);
+  }
   if (!(options.deviation_tolerance >= 0)) {
     throw Error("slom.bad-option",
                 "deviation_tolerance is " + number(options.deviation_tolerance, 6) +

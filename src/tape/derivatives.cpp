@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace slom::tape {
 
@@ -352,21 +353,23 @@ class LinearGraph {
       for (const auto& [from, by] : in) connect(to, from, calculus_.product(outer, by));
     }
   }
+  /// Eliminates the vertex with the fewest products next, the first of several.
   void eliminateByMarkowitz() {
-    std::set<int> left;
-    for (int v = first_inner_; v < last_inner_; ++v) left.insert(v);
+    const auto productsOf = [&](int v) { return in_[at(v)].size() * out_[at(v)].size(); };
+    std::set<std::pair<std::size_t, int>> left;
+    std::vector<std::size_t> products(at(last_inner_));
+    for (int v = first_inner_; v < last_inner_; ++v) left.emplace(products[at(v)] = productsOf(v), v);
+    std::vector<int> neighbours;
     while (!left.empty()) {
-      int best = -1;
-      std::size_t fewest = std::numeric_limits<std::size_t>::max();
-      for (const int v : left) {
-        const std::size_t products = in_[at(v)].size() * out_[at(v)].size();
-        if (products < fewest) {
-          best = v;
-          fewest = products;
-        }
-      }
+      const int best = left.begin()->second;
+      left.erase(left.begin());
+      neighbours.assign(out_[at(best)].begin(), out_[at(best)].end());
+      for (const auto& [from, by] : in_[at(best)]) neighbours.push_back(from);
       eliminate(best);
-      left.erase(best);
+      for (const int v : neighbours) {
+        const bool is_left = v >= first_inner_ && v < last_inner_ && left.erase({products[at(v)], v}) > 0;
+        if (is_left) left.emplace(products[at(v)] = productsOf(v), v);
+      }
     }
   }
 

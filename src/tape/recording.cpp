@@ -57,6 +57,13 @@ struct Access {
   }
   template <class X>
   static X made(State& state, Id id) {
+    constexpr Id most = 1'000'000;
+    if (id > most) {
+      throw mtk::Error("slom.traced-too-long",
+                       "a measurement function records more than " + std::to_string(most) +
+                           " operations; loop over fewer data, or pass the function without recording it",
+                       "slom::traced");
+    }
     X x(0);
     if (state.graph.isConstant(id)) {
       if constexpr (std::is_same_v<X, Number>) {

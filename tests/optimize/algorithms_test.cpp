@@ -1,4 +1,8 @@
 // The three algorithms on classical problems, their stopping rules, and their behaviour at faults.
+#include <cmath>
+#include <initializer_list>
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include <slom/slom.hpp>
@@ -442,6 +446,28 @@ TEST(Stopping, WithNothingToDo) {
   fixed.insertMeasurement([](double v) { return v; }, fixed.insertRV(3.0, false));
   EXPECT_EQ(fixed.optimize().stop_reason, slom::StopReason::nothing_to_do);
   EXPECT_EQ(fixed.optimize().final_rss, 9);
+}
+
+TEST(Stopping, ExactDataThatAreStartedAtTheSolutionConverge) {
+  std::mt19937 rng(std::random_device{}());
+  std::normal_distribution<double> normal;
+  for (int round = 0; round < 100; ++round) {
+    const double a = normal(rng), b = normal(rng), scale = std::pow(10.0, round % 13 - 6);
+    for (const slom::Sigma sigma : {slom::Sigma::known, slom::Sigma::estimated}) {
+      slom::Estimator est;
+      est.setSigma(sigma);
+      const auto x = est.insertRV(a * scale, "a"), y = est.insertRV(b, "b");
+      for (int i = 0; i < 10; ++i) {
+        const double t = 0.2 * i;
+        est.insertMeasurement([](const auto& x, const auto& y, double t, double z) { return x * t + y - z; },
+                              x, y, t, a * scale * t + b);
+      }
+      for (int again = 0; again < 3; ++again) {
+        const slom::Summary summary = est.optimize();
+        EXPECT_TRUE(summary.converged) << "a = " << a * scale << ", b = " << b << "\n" << summary;
+      }
+    }
+  }
 }
 
 TEST(Stopping, WithoutMeasurementsIsNotConverged) {

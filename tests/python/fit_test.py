@@ -65,6 +65,31 @@ class Manifolds(unittest.TestCase):
         with self.assertRaisesRegex(slom.Error, "pass the quaternion"):
             slom.SO3("text", 2)
 
+    def test_equality_is_that_of_values(self):
+        for x in (slom.SO2(0.3), rotation(self.rng), slom.S2(1, 2, 3), slom.SE2(1, 2, 0.3), pose(self.rng)):
+            self.assertTrue(x == copy.copy(x))
+            self.assertFalse(x == x + np.full(np.size(x - x), 1e-9))
+            self.assertFalse(x == "text")
+            self.assertTrue(x != 3.0)
+        est = slom.Estimator()
+        all = est.variables(np.zeros((3, 2)), "x")
+        self.assertTrue(all[1] == all[1] and all[1] != all[2] and all[1] in [all[0], all[1]])
+        self.assertEqual(len({all[0], all[0], all[1]}), 2)
+        with self.assertRaisesRegex(slom.Error, "compared by =="):
+            est.measure(lambda T: 1.0 if T == slom.SE3() else 2.0, est.variable(slom.SE3(), "T"), trace=True)
+
+    def test_own_manifolds_have_perturbations(self):
+        camera = Camera(pose(self.rng), 500.0, self.rng.normal(size=2))
+        d = self.rng.normal(size=9)
+        moved = camera + d
+        np.testing.assert_allclose(moved - camera, d, atol=1e-12)
+        np.testing.assert_allclose(camera.boxplus(d) - moved, 0, atol=1e-15)
+        with self.assertRaisesRegex(slom.Error, "needs 9 numbers"):
+            camera + d[:8]
+        rows = pickle.loads(pickle.dumps(slom.Rows([camera, moved])))
+        np.testing.assert_allclose(rows[1] - moved, 0, atol=1e-12)
+        np.testing.assert_allclose((rows - rows[0])[1], d, atol=1e-12)
+
     def test_values_are_copied_and_pickled(self):
         for x in (slom.SO2(0.3), rotation(self.rng), slom.S2(1, 2, 3), slom.SE2(1, 2, 0.3), pose(self.rng)):
             for y in (copy.deepcopy(x), pickle.loads(pickle.dumps(x))):
@@ -248,13 +273,13 @@ class Fits(unittest.TestCase):
 
     def test_a_loaded_problem_has_arrays_where_names_are_complete(self):
         est = slom.Estimator()
-        for name in ("p[0]", "p[1]", "q[1]", "same", "same", "r[0]", "r[x]"):
+        for name in ("p[0]", "p[1]", "q[1]", "same", "same", "r[0]", "r[x]", "p"):
             est.variable(1.0, name)
         est.variable([1.0, 2], "r[1]")  # of another type
         with tempfile.TemporaryDirectory() as folder:
             est.save(f"{folder}/problem.slom")
             _, variables = slom.load(f"{folder}/problem.slom")
-        self.assertEqual(list(variables), ["p", "q[1]", "same", "same (2)", "r[0]", "r[x]", "r[1]"])
+        self.assertEqual(list(variables), ["p", "q[1]", "same", "same (2)", "r[0]", "r[x]", "p (2)", "r[1]"])
         self.assertEqual(len(variables["p"]), 2)
 
     def test_covariance_of_two_is_the_cross_block(self):
@@ -327,6 +352,28 @@ class Fits(unittest.TestCase):
         with self.assertRaisesRegex(slom.Error, "same number of rows"):
             rows * slom.Rows(b[:3])
 
+    def test_the_worst_measurement_is_removed(self):
+        est, a, b, measurements, _ = self.line(sigma=0.01)
+        before = est.residuals().size
+        worst = est.outliers().ranking[0]
+        est.remove(worst)
+        self.assertEqual(est.residuals().size, before - 1)
+        self.assertEqual(np.isnan(measurements.residuals).sum(), 1)
+
+    def test_clustered_covariance_of_several_variables(self):
+        keys = np.repeat(np.arange(4), 3)
+        est, a, b, _, A = self.line(sigma=0.5, group=keys)
+        clustered = est.clustered()
+        joint = clustered.covariance([a, b])
+        np.testing.assert_allclose(np.diag(joint), [clustered.covariance(a)[0, 0], clustered.covariance(b)[0, 0]])
+        band = est.propagate(lambda a, b, x: a + b * x, a, b, 0.3, covariance=joint)
+        np.testing.assert_allclose(band.std**2, [1, 0.3] @ joint @ [1, 0.3])
+
+        def kept():
+            return self.line(sigma=0.5, group=keys)[0].clustered()
+
+        self.assertEqual(len(kept().groups), 4)
+
     def test_residuals_by_name(self):
         est = slom.Estimator()
         x = est.variable(1.0, "x")
@@ -336,7 +383,8 @@ class Fits(unittest.TestCase):
             est.measure(lambda x: x * x + 20.5 * k, x, name="a")
         np.testing.assert_allclose(sorted(est.residuals("a")), [1, 1, 11.5, 21.5, 22, 42])
         np.testing.assert_allclose(sorted(est.residuals("b")), [-1, -1, -1, 1, 1, 1])
-        self.assertEqual(est.residuals("c").size, 0)
+        with self.assertRaisesRegex(slom.Error, "pass one of a, b"):
+            est.residuals("c")
 
     def test_errors_have_parts(self):
         est = slom.Estimator()
@@ -548,6 +596,28 @@ class Unrecorded(unittest.TestCase):
         self.warned(f, "depends on more than its arguments", np.array([1.9, 2.0, 2.1]))
         self.assertAlmostEqual(self.x.value, 2.0, places=6)
 
+    def test_an_error_that_the_function_swallows_is_seen(self):
+        def f(x, z):
+            try:
+                k = int(z)
+            except Exception:
+                k = 0
+            return x - 1 - k
+
+        data = np.zeros(1001)
+        data[537:547] = 5
+        self.warned(f, "int() needs the value", data)
+        self.assertAlmostEqual(self.x.value, 1 + 50 / 1001)
+
+    def test_interrupts_while_recording_pass(self):
+        def f(x):
+            if not isinstance(x, float):
+                raise KeyboardInterrupt
+            return x
+
+        with self.assertRaises(KeyboardInterrupt):
+            self.est.measure(f, self.x)
+
     def test_mistakes_of_the_function_are_the_users(self):
         def f(x, z):
             raise ZeroDivisionError("mine")
@@ -668,11 +738,37 @@ class CurveFit(unittest.TestCase):
         np.testing.assert_allclose(fit.popt, popt, rtol=1e-6)
         np.testing.assert_allclose(info["fvec"], self.f(self.x, *popt) - self.y)
         self.assertEqual(ier, 1)
-        with self.assertRaisesRegex(ValueError, "ftol is no option"):
-            slom.curve_fit(self.f, self.x, self.y, ftol=1e-3)
+        np.testing.assert_allclose(slom.curve_fit(self.f, self.x, self.y, ftol=1e-3).popt, popt, rtol=1e-2)
+        for options, words in [
+            ({"foo": 1}, "foo is no option"),
+            ({"p0": [1, np.nan, 1]}, "not finite"),
+            ({"p0": ["a", "b", "c"]}, "no array of numbers"),
+            ({"p0": [1, 1, 1], "bounds": (2, 3)}, "outside of its bound"),
+            ({"bounds": ([3, 3, 3], [0, 0, 0])}, "the lower below the upper"),
+            ({"bounds": [(0, 5), (0, 5), (0, 5)]}, "bounds are not two lists"),
+            ({"bounds": ([0], [1, 2])}, "bounds are not two lists"),
+            ({"bounds": (0,)}, "bounds are not two lists"),
+            ({"names": ["A"]}, "a name of its own for each"),
+            ({"names": ["A", "A", "B"]}, "a name of its own for each"),
+        ]:
+            with self.subTest(options=options), self.assertRaisesRegex(ValueError, words):
+                slom.curve_fit(self.f, self.x, self.y, **options)
+        with self.assertRaisesRegex(ValueError, "there are no data"):
+            slom.curve_fit(self.f, [], [])
+        with self.assertRaisesRegex(RuntimeError, "drop a parameter"):
+            slom.curve_fit(lambda x, a, b: a + b, self.x, self.y)
+        by_number = np.vectorize(lambda x, a, b: a * x + b)
+        self.assertEqual(slom.curve_fit(by_number, self.x, self.y, p0=[1, 1]).names, ["a", "b"])
         with self.assertWarnsRegex(UserWarning, "as many parameters as data"):
             _, pcov = slom.curve_fit(lambda x, a, b: a + b * x, [0.0, 1.0], [1.0, 3.0])
         self.assertTrue(np.all(np.isinf(pcov)))
+
+    def test_exact_data_from_the_solution(self):
+        rng = np.random.default_rng(SEED)
+        for _ in range(50):
+            p = rng.uniform(0.5, 2, size=3)
+            for f in (self.f, lambda x, a, b, c: a * x * x + b * x + c):
+                np.testing.assert_allclose(slom.curve_fit(f, self.x, f(self.x, *p), p0=p).popt, p, rtol=1e-9)
 
     def test_functions_that_make_arrays_like_x(self):
         def steps(x, a, b):

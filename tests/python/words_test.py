@@ -13,12 +13,12 @@ import errors  # noqa: E402
 
 CPP = re.compile(
     r"::|\b(VarID|AnyVarID|MeasID|insertRV|insertMeasurement|setSigma|setFreeGauge|changeAlgorithm|changeSolver"
-    r"|GaussNewton|LevenbergMarquardt|DogLeg|BlockQR|DenseQR|RuntimeValue)\b"
+    r"|GaussNewton|checkDerivatives|LevenbergMarquardt|DogLeg|BlockQR|DenseQR|RuntimeValue)\b"
 )
 # What Python has not, so that its users cannot meet the message.
 NOT_IN_PYTHON = re.compile(
     r"slom\.calibration|SharedError|changeAlgorithm|changeSolver|ForwardingSolver|RuntimeValue|GaussianPrior over|DogLeg"
-    r"|a measurement over a list|the measurement over a list|stale-marginals|no-parameters|std::exception|refers to no "
+    r"|a measurement over a list|the measurement over a list|no-parameters|std::exception|refers to no "
 )
 
 

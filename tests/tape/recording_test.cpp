@@ -217,6 +217,15 @@ std::string errorOf(const F& f) {
   }
   return "nothing was thrown";
 }
+TEST(Recording, EndlessLoopsAreRefused) {
+  Recorded recorded(1);
+  Number x = recorded.x[0];
+  const auto endless = [&] {
+    for (;;) x = x * 1.5 + 1.0;
+  };
+  EXPECT_THROW(endless(), mtk::Error);
+}
+
 TEST(Recording, NumbersOfAnotherRecordingAreRefused) {
   Number kept;
   {
