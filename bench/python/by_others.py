@@ -88,6 +88,7 @@ def casadi_graph(data, name):
     """Gauss-Newton with exact derivatives of an edge from CasADi's virtual machine, mapped over all edges. SuperLU
     solves the system."""
     import casadi
+    import scipy.sparse.linalg  # noqa: F401: not part of the insertion
 
     graph = PlanarGraph(read_graph(path_of(data, name)))
     p = graph.problem
@@ -116,6 +117,7 @@ def jax_graph(data, name):
     os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
     import jax
     import jax.numpy as jnp
+    import scipy.sparse.linalg  # noqa: F401: not part of the insertion
 
     jax.config.update("jax_enable_x64", True)
     graph = PlanarGraph(read_graph(path_of(data, name)))
