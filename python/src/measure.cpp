@@ -174,10 +174,17 @@ Loss lossFrom(nb::handle loss) {
   return nb::cast<Loss>(loss);
 }
 
-Measurements measure(const Shared& est, const nb::callable& f, const nb::args& passed, nb::handle measured,
+Measurements measure(const Shared& est, nb::handle f, const nb::args& passed, nb::handle measured,
                      nb::handle sigma, nb::handle covariance, nb::handle information, nb::handle loss_or_none,
                      nb::handle group, const std::string& name, std::optional<bool> trace,
                      nb::handle jacobian) {
+  if (!PyCallable_Check(f.ptr())) {
+    throw mtk::Error("slom.bad-argument",
+                     "the first argument of measure is a " +
+                         nb::cast<std::string>(f.type().attr("__name__")) +
+                         "; pass the measurement function first, then its variables and data",
+                     "measure");
+  }
   Measurements result{est, {}};
   Call call = callOf(f, passed, measured);
   if (call.rows == 0) return result;

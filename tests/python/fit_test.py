@@ -557,6 +557,8 @@ class Ambiguity(unittest.TestCase):
         ]:
             with self.assertRaisesRegex(slom.Error, words):
                 self.est.measure(lambda c: c, self.c, **options)
+        with self.assertRaisesRegex(slom.Error, "is a ndarray; pass the measurement function first"):
+            self.est.measure(np.ones(3), lambda c: c, self.c)
         self.assertEqual(self.est.residuals().size, 0)
         with self.assertRaisesRegex(slom.Error, "0 or more"):
             self.est.optimize(max_iterations=-1)
