@@ -43,6 +43,8 @@ BY_HAND_PYTHON = {  # of the Python package
     "slom.bad-residual": ("the measurement function returned None", "end it with `return` and the residual"),
     "slom.bad-value": ("the start value of x has a number that is not finite", "pass finite numbers"),
     "slom.cannot-read": ("the file problem.slom cannot be read", "check its name and permissions"),
+    "slom.float-index": ("data are passed as floats, which are no indices",
+                         "write int(k), or look up data before est.measure and pass the result"),
     "slom.in-use": ("the estimator is in the middle of another call, such as a fit, from another thread or from the function that calls this now",
                     "wait for its end, or use a copy made by est.clone()"),
     "slom.command-failed": ("slom graph ended by signal 9 and no message", "please report it"),

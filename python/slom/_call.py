@@ -7,7 +7,21 @@ _OF_OBJECTS = re.compile(
     r"ufunc .* not supported for the input types|Cannot cast ufunc .* dtype\('O'\)|which has no callable \w+ method"
     r"|object has no attribute '(hypot|arctan2|fmod)'"
 )
+_OF_FLOATS = re.compile(r"only integers, slices|'float' object cannot be interpreted as an integer|indices must be integers")
 _OF_INDICES = re.compile(r"arrays used as indices|only integers, slices")
+
+
+def call_plain(f, arguments):
+    """Calls a measurement function with numbers. Adds the remedy to an error that data as indices cause."""
+    try:
+        return f(*arguments)
+    except (IndexError, TypeError) as error:
+        if _OF_FLOATS.search(str(error)):
+            raise Error(
+                "[slom.float-index] data are passed as floats, which are no indices; write int(k), or look up data before "
+                "est.measure and pass the result"
+            ) from error
+        raise
 
 
 def call(f, arguments):

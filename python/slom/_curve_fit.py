@@ -1,7 +1,7 @@
 import functools
 import inspect
 import warnings
-from typing import Any, Callable, Dict, Iterator, Optional, Sequence, Tuple, TypeVar, cast
+from typing import Any, Callable, Dict, Iterator, Optional, Sequence, Tuple, TypeVar, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,8 +48,19 @@ class CurveFit:
     def __iter__(self) -> Iterator[Any]:
         return iter(self._unpacked)
 
-    def __getitem__(self, name: str) -> Variable:
-        """Returns the variable of a parameter: curve["a"].value, curve["a"].std."""
+    def __len__(self) -> int:
+        return len(self._unpacked)
+
+    @overload
+    def __getitem__(self, name: str) -> Variable: ...
+    @overload
+    def __getitem__(self, name: int) -> np.ndarray: ...
+    @overload
+    def __getitem__(self, name: slice) -> Tuple[Any, ...]: ...
+    def __getitem__(self, name: Any) -> Any:
+        """Returns the variable of a parameter: curve["a"].value, curve["a"].std. curve[0] is popt, curve[1] pcov."""
+        if not isinstance(name, str):
+            return self._unpacked[name]
         if name not in self.names:
             raise KeyError(f"there is no parameter {name!r}; the parameters are {', '.join(self.names)}")
         return self.variables[self.names.index(name)]
@@ -156,6 +167,7 @@ def curve_fit(
     """
     if nan_policy not in (None, "raise", "omit"):
         raise _error(f'nan_policy is {nan_policy!r}; pass None, "raise" or "omit"', "nan_policy")
+    maxfev = options.pop("max_nfev", maxfev)
     if maxfev is not None:
         options["max_iterations"] = maxfev
     for scipys, own in _TOLERANCES.items():
@@ -163,7 +175,7 @@ def curve_fit(
             options[own] = options.pop(scipys)
     unknown = sorted(set(options) - _OPTIONS)
     if unknown:
-        raise _error(f"{unknown[0]} is no option; pass one of {', '.join(sorted(_OPTIONS))}", unknown[0])
+        raise _error(f"{unknown[0]} is no option; pass one of {', '.join(sorted(_OPTIONS | set(_TOLERANCES)))}, maxfev", unknown[0])
     p0 = None if p0 is None else np.atleast_1d(_numbers(p0, "p0"))
     given = _names(f, None if p0 is None else len(p0))
     names = list(names) if names is not None else given
@@ -179,6 +191,8 @@ def curve_fit(
     if y.size == 0:
         raise _error("there are no data; pass at least as many values as there are parameters", "ydata")
     if y.ndim != 1 or len(rows) != len(y):
+        if x.ndim == 2 and len(x) == len(y):
+            raise _error(f"xdata has the shape {x.shape}; pass it as {x.shape[::-1]}, one row for each variable: xdata.T", "xdata")
         raise _error(
             f"xdata has {len(np.atleast_1d(rows))} values and ydata the shape {y.shape}; pass one value of ydata for each",
             "ydata",

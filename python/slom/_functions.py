@@ -30,8 +30,7 @@ def _heaviside(x, at_zero):
 
 
 def _logaddexp(a, b):
-    d = number(b - a)
-    return a + choose(d > 0, d + (-d).exp().log1p(), d.exp().log1p())
+    return choose(a < b, b, a) + number(-abs(b - a)).exp().log1p()
 
 
 def _logaddexp2(a, b):

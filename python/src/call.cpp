@@ -141,7 +141,9 @@ Argument singleArgument(nb::handle value, const std::string& subject) {
 
 nb::object residualOf(const Call& call, const nb::list& arguments, bool is_recorded) {
   const auto apply = [&](const nb::list& passed) {
-    return is_recorded ? callRecorded(call.function, nb::tuple(passed)) : call.function(*nb::tuple(passed));
+    if (is_recorded) return callRecorded(call.function, nb::tuple(passed));
+    return nb::object(
+        nb::module_::import_("slom._call").attr("call_plain")(call.function, nb::tuple(passed)));
   };
   if (!call.predicts) return apply(arguments);
   const std::size_t count = nb::len(arguments) - 1;

@@ -209,6 +209,7 @@ Measurements measure(const Shared& est, nb::handle f, const nb::args& passed, nb
     length = plainResidual(call, 0, valuesOf(call, 0, false)).size();
     plain.emplace(call, jacobian);
   }
+  result.length = length;
   const Noise noise = noiseOf(sigma, covariance, information, call.rows, length);
 
   TracedMeasurement measurement;
@@ -254,14 +255,13 @@ bool isPresent(const Estimator& est, const AnyMeasID& id) {
 
 /// Returns the residuals, one row for each measurement; NaN for those that were removed.
 RowMatrix residualsOf(const Measurements& all, bool is_whitened) {
-  RowMatrix result;
+  RowMatrix result =
+      RowMatrix::Constant(static_cast<Eigen::Index>(all.ids.size()), static_cast<Eigen::Index>(all.length),
+                          std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < all.ids.size(); ++i) {
     if (!isPresent(*all.est, all.ids[i])) continue;
     const Eigen::VectorXd r =
         is_whitened ? all.est->whitenedResidual(all.ids[i]) : all.est->residual(all.ids[i]);
-    if (result.size() == 0)
-      result.setConstant(static_cast<Eigen::Index>(all.ids.size()), r.size(),
-                         std::numeric_limits<double>::quiet_NaN());
     result.row(static_cast<Eigen::Index>(i)) = r.transpose();
   }
   return result;
@@ -295,7 +295,7 @@ void bindMeasure(nb::module_& module, nb::class_<Estimator>& estimator) {
       .def("__len__", [](const Measurements& all) { return all.ids.size(); })
       .def("__getitem__",
            [](const Measurements& all, nb::handle index) {
-             Measurements some{all.est, {}};
+             Measurements some{all.est, {}, all.length};
              for (const std::size_t i : indicesOf(index, all.ids.size())) some.ids.push_back(all.ids[i]);
              return some;
            })

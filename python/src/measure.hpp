@@ -11,6 +11,7 @@ namespace slom::python {
 struct Measurements {
   Shared est;
   std::vector<AnyMeasID> ids;
+  std::size_t length = 0;  ///< of each residual
 };
 
 /// Declares Measurements, the losses and Estimator.measure.

@@ -91,35 +91,42 @@ int fewIterations(const Options& options) {
 }
 }  // namespace
 
-bool Estimator::State::isSingularStart(const Summary& summary) {
+Eigen::VectorXd Estimator::State::stepFromSingularStart(const Summary& summary) {
   constexpr int most_unknowns = 500;
   if (summary.final_rss != summary.initial_rss || evaluator.structure().system.unknowns() > most_unknowns)
-    return false;
+    return {};
   const FreeDirections free = analyze(&findFreeDirections);
   const auto freeThere = [&] {
     const FreeDirections there = analyze(&findFreeDirections);
     return there.count - there.gauge;
   };
-  if (free.count <= free.gauge) return false;
+  if (free.count <= free.gauge) return {};
   ValueSnapshot start(problem);
-  try {
-    return run([&] {
-      evaluator.linearize();
-      const Eigen::MatrixXd steps = asSteps(evaluator, free.basis);
-      for (Eigen::Index k = 0; k < steps.cols(); ++k) {
-        for (const double length : {0.1, -0.1, 1.0, -1.0, 10.0, -10.0}) {
-          const bool is_better = std::isfinite(evaluator.tryStep(length * steps.col(k))) &&
-                                 freeThere() < free.count - free.gauge;
-          evaluator.undo();
-          if (is_better) return true;
-        }
+  const auto isBetterAfter = [&](const Eigen::VectorXd& step) {
+    bool is_better = false;
+    try {
+      is_better = std::isfinite(evaluator.tryStep(step)) && freeThere() < free.count - free.gauge;
+    } catch (const Error&) {  // a function or its derivatives have no value there
+    }
+    start.restore();  // and not evaluator.undo(): the solver has been given other values since
+    return is_better;
+  };
+  return run([&]() -> Eigen::VectorXd {
+    evaluator.linearize();
+    const Eigen::MatrixXd steps = asSteps(evaluator, free.basis);
+    // Steps of the other unknowns: in b exp(-c t), a step of b from 0 determines c.
+    const Eigen::VectorXd scale = evaluator.solver().diagonal(), gradient = evaluator.solver().gradient();
+    const Eigen::VectorXd downhill = (scale.array() > 0).select(-gradient.array() / scale.array(), 0.0);
+    for (Eigen::Index k = 0; k < steps.cols(); ++k) {
+      for (const double length : {0.1, -0.1, 1.0, -1.0, 10.0, -10.0}) {
+        if (isBetterAfter(length * steps.col(k))) return length * steps.col(k);
       }
-      return false;
-    });
-  } catch (const Error&) {  // a user's function has no value there
-    start.restore();
-    return false;
-  }
+    }
+    for (const double length : {1.0, 0.1}) {
+      if (isBetterAfter(length * downhill)) return length * downhill;
+    }
+    return {};
+  });
 }
 
 void Estimator::State::fitFromNearer(const Fit& fit, const Fit& by_damping, const char* why,
@@ -161,13 +168,18 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   const bool may_go_on =
       summary.stop_reason == StopReason::rank_deficient && options.fall_back && by.safeguarded() != nullptr;
   const bool is_hidden = evaluator.wasHidden();
-  if (may_go_on && (is_hidden || isSingularStart(summary))) {
+  const Eigen::VectorXd step = may_go_on && !is_hidden ? stepFromSingularStart(summary) : Eigen::VectorXd();
+  if (may_go_on && (is_hidden || step.size() > 0)) {
     LevenbergMarquardt damped;
     Options limits = options;
     if (!is_hidden) limits.max_iterations = fewIterations(options);
     const RankAtEnd rank_before = rank;
     fitFromNearer(
-        fit, [&] { return fitBy(damped, limits); },
+        fit,
+        [&] {
+          if (step.size() > 0) run([&] { return evaluator.tryStep(step); });
+          return fitBy(damped, limits);
+        },
         is_hidden ? "rounding errors of the residuals at the start hide what an unknown changes"
                   : "the start leaves unknowns free, to first order",
         summary);

@@ -68,9 +68,9 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   static void goOn(Summary& summary, Summary later);
   /// Fits the network by `fit` to the values with the smallest distance from the start.
   Summary fitFreeNetwork(const Fit& fit, std::unique_ptr<FreeNetwork> network);
-  /// Returns whether the fit ended at its start because directions other than the gauge are free there, and fewer are
-  /// free after a step along one.
-  bool isSingularStart(const Summary& summary);
+  /// If the fit ended at its start because directions other than the gauge are free there, returns a step after which
+  /// fewer are: along one of them, or downhill. Returns an empty vector if there is none.
+  Eigen::VectorXd stepFromSingularStart(const Summary& summary);
   /// Leaves, by Levenberg-Marquardt, a place where an unknown has no effect, and fits again. If that does not converge,
   /// values and `summary` stay. `why` says in the warning what is wrong with the start.
   void fitFromNearer(const Fit& fit, const Fit& by_damping, const char* why, Summary& summary);

@@ -4,8 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
+#include <string>
 #include <utility>
+
+#include "mtk/error.hpp"
 
 namespace slom::tape {
 
@@ -258,17 +262,25 @@ class LinearGraph {
   }
 
   enum class Order { forward, reverse, markowitz };
-  /// Returns the derivatives of the sinks after elimination in this order; leaves this graph as it is.
-  std::vector<Id> eliminated(Order order) {
+  /// Returns the derivatives of the sinks after elimination in this order; leaves this graph as it is. Returns nothing if
+  /// that takes more than `most` products, and sets `most` to their number otherwise.
+  std::optional<std::vector<Id>> eliminated(Order order, long& most) {
     const auto saved_in = in_;
     const auto saved_out = out_;
+    products_left_ = most;
     if (order == Order::forward) {
-      for (int v = first_inner_; v < last_inner_; ++v) eliminate(v);
+      for (int v = first_inner_; v < last_inner_ && products_left_ >= 0; ++v) eliminate(v);
     } else if (order == Order::reverse) {
-      for (int v = last_inner_; v-- > first_inner_;) eliminate(v);
+      for (int v = last_inner_; v-- > first_inner_ && products_left_ >= 0;) eliminate(v);
     } else {
       eliminateByMarkowitz();
     }
+    if (products_left_ < 0) {
+      in_ = saved_in;
+      out_ = saved_out;
+      return std::nullopt;
+    }
+    most -= products_left_;
     std::vector<Id> result;
     for (int column = 0; column < first_inner_; ++column) {
       for (int sink = last_inner_; sink < count(); ++sink) {
@@ -346,6 +358,7 @@ class LinearGraph {
     const auto out = std::move(out_[at(v)]);
     in_[at(v)].clear();
     out_[at(v)].clear();
+    products_left_ -= static_cast<long>(in.size() * out.size());
     for (const auto& [from, by] : in) out_[at(from)].erase(v);
     for (const int to : out) {
       const Coefficient outer = in_[at(to)].at(v);
@@ -360,7 +373,7 @@ class LinearGraph {
     std::vector<std::size_t> products(at(last_inner_));
     for (int v = first_inner_; v < last_inner_; ++v) left.emplace(products[at(v)] = productsOf(v), v);
     std::vector<int> neighbours;
-    while (!left.empty()) {
+    while (!left.empty() && products_left_ >= 0) {
       const int best = left.begin()->second;
       left.erase(left.begin());
       neighbours.assign(out_[at(best)].begin(), out_[at(best)].end());
@@ -382,6 +395,7 @@ class LinearGraph {
   std::vector<std::map<int, Coefficient>> in_;
   std::vector<std::set<int>> out_;
   int first_inner_ = 0, last_inner_ = 0;
+  long products_left_ = 0;
 };
 
 }  // namespace
@@ -407,14 +421,31 @@ std::vector<Id> differentiate(Graph& graph, const StatedDerivatives& stated, con
   std::vector<Id> best;
   int fewest = std::numeric_limits<int>::max();
   using Order = LinearGraph::Order;
-  for (const Order order : {Order::reverse, Order::forward, Order::markowitz}) {
-    std::vector<Id> own = linear.eliminated(order);
+  // The first order has few products where the unknowns, or the outputs, are few. Others are given up where they take more.
+  constexpr long most_products = 20'000'000, share = 8, few = 1000;
+  const bool is_forward_first = unknowns.size() < outputs.size();
+  const Order first = is_forward_first ? Order::forward : Order::reverse,
+              second = is_forward_first ? Order::reverse : Order::forward;
+  long least = most_products;
+  for (const Order order : {first, second, Order::markowitz}) {
+    long products = least < most_products ? share * least + few : most_products;
+    const std::optional<std::vector<Id>> found = linear.eliminated(order, products);
+    if (!found) continue;
+    least = std::min(least, products);
+    const std::vector<Id>& own = *found;
     std::vector<Id> all = own;
     all.insert(all.end(), outputs.begin(), outputs.end());
     if (const int cost = costOf(graph, all); cost < fewest) {
       fewest = cost;
-      best = std::move(own);
+      best = own;
     }
+  }
+  if (least == most_products) {
+    throw mtk::Error(
+        "slom.traced-too-long",
+        "the derivatives of a measurement function need more than " + std::to_string(most_products) +
+            " products; divide the measurement into shorter ones, or pass the function without recording it",
+        "slom::traced");
   }
   return best;
 }

@@ -188,4 +188,19 @@ TEST(WrongDerivatives, RightOnesOfAwkwardFunctionsAreLeftInPeace) {
   }
 }
 
+TEST(GivenDerivatives, AreNotJudgedWhereACurveIsFlat) {
+  slom::Estimator est;
+  const auto middle = est.insertRV(0.25), width = est.insertRV(0.03);
+  for (int i = 0; i < 40; ++i) {
+    const double x = -3 + 0.15 * i;
+    est.insertMeasurement(
+        [](const auto& a, const auto& b, double at) {
+          using std::erfc;
+          return 0.5 * erfc((a - at) / b) - 0.5;
+        },
+        middle, width, x);
+  }
+  EXPECT_TRUE(slom::checkDerivatives(est).ok()) << slom::checkDerivatives(est).text();
+}
+
 }  // namespace

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -468,6 +469,33 @@ TEST(Stopping, ExactDataThatAreStartedAtTheSolutionConverge) {
       }
     }
   }
+}
+
+TEST(SingularStarts, AreLeftIfAStepOfOtherUnknownsDeterminesAll) {
+  const auto fit = [](const std::vector<double>& start, const std::vector<double>& truth, const auto& curve) {
+    slom::Estimator est;
+    std::vector<slom::VarID<double>> p;
+    for (const double x : start) p.push_back(est.insertRV(x));
+    for (int i = 0; i < 25; ++i) {
+      const double t = 0.1 + 0.15 * i, y = curve(t, truth[0], truth[1], truth[2], truth[3]);
+      est.insertMeasurement([curve](const auto& a, const auto& b, const auto& c, const auto& d, double at,
+                                    double z) { return curve(at, a, b, c, d) - z; },
+                            p[0], p[1], p[2], p[3], t, y);
+    }
+    const slom::Summary summary = est.optimize();
+    EXPECT_TRUE(summary.converged) << summary;
+    for (std::size_t k = 0; k < p.size(); ++k) EXPECT_NEAR(*p[k], truth[k], 1e-6) << summary;
+  };
+  fit({0, 0, 1, 1}, {0.5, 2, 0.7, 1},
+      [](double t, const auto& a, const auto& b, const auto& c, const auto& d) {
+        using std::exp;
+        return a + b * exp(-c * t) + (d - 1.0) * t * t;
+      });
+  fit({1, 1, 1, 1}, {0.2, 3.2, 1.2, 1.7},
+      [](double t, const auto& low, const auto& high, const auto& middle, const auto& slope) {
+        using std::pow;
+        return low + (high - low) / (1.0 + pow(t / middle, -slope));
+      });
 }
 
 TEST(Stopping, WithoutMeasurementsIsNotConverged) {

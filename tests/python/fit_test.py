@@ -241,6 +241,7 @@ class Fits(unittest.TestCase):
         self.assertTrue(np.all(np.isfinite(measurements[4:].whitened_residuals)))
         self.assertEqual(measurements.residuals.shape, (12, 1))
         measurements[:3].remove()  # once more, without harm
+        self.assertTrue(np.array_equal(measurements[:3].residuals, np.full((3, 1), np.nan), equal_nan=True))
         self.assertIn("8 measurements", repr(measurements))
         self.assertTrue(est.update().converged)
 
@@ -611,6 +612,14 @@ class Unrecorded(unittest.TestCase):
         self.warned(f, "int() needs the value", data)
         self.assertAlmostEqual(self.x.value, 1 + 50 / 1001)
 
+    def test_data_are_floats(self):
+        table = [1.0, 2.0, 3.0]
+        for f in (lambda x, k: table[k] * x, lambda x, k: np.array(table)[k] * x, lambda x, k: sum(range(k)) * x):
+            with warnings.catch_warnings(), self.assertRaisesRegex(slom.Error, r"write int\(k\)"):
+                warnings.simplefilter("ignore")
+                self.est.measure(f, self.x, np.array([0, 1, 2]))
+        self.warned(lambda x, k: table[int(k)] * x - 2, "int() needs the value", np.array([0, 1, 2]))
+
     def test_interrupts_while_recording_pass(self):
         def f(x):
             if not isinstance(x, float):
@@ -738,6 +747,8 @@ class CurveFit(unittest.TestCase):
         fit = slom.curve_fit(self.f, self.x, self.y, bounds=Bounds, method="trf", jac="2-point", maxfev=1000)
         popt, pcov, info, message, ier = slom.curve_fit(self.f, self.x, self.y, full_output=True)
         np.testing.assert_allclose(fit.popt, popt, rtol=1e-6)
+        curve = slom.curve_fit(self.f, self.x, self.y)
+        self.assertTrue(curve[0] is curve.popt and curve[1] is curve.pcov and len(curve) == 2 and len(curve[:1]) == 1)
         np.testing.assert_allclose(info["fvec"], self.f(self.x, *popt) - self.y)
         self.assertEqual(ier, 1)
         np.testing.assert_allclose(slom.curve_fit(self.f, self.x, self.y, ftol=1e-3).popt, popt, rtol=1e-2)
@@ -771,6 +782,19 @@ class CurveFit(unittest.TestCase):
             p = rng.uniform(0.5, 2, size=3)
             for f in (self.f, lambda x, a, b, c: a * x * x + b * x + c):
                 np.testing.assert_allclose(slom.curve_fit(f, self.x, f(self.x, *p), p0=p).popt, p, rtol=1e-9)
+
+    def test_coupled_models_are_recorded_in_linear_time(self):
+        """It took minutes, which the limit of products now forbids."""
+        x = np.linspace(0.05, 3, 1000)
+        scaled = lambda x, a, b: a * np.exp(-b * x) / np.max(np.exp(-b * x))
+        curve = slom.curve_fit(scaled, x, scaled(x, 2.0, 0.8), [1.5, 0.5])
+        np.testing.assert_allclose(curve.popt, [2.0, 0.8], rtol=1e-9)
+
+    def test_starts_that_determine_nothing(self):
+        logistic = lambda x, low, high, middle, slope: low + (high - low) / (1 + (x / middle) ** -slope)
+        x = np.linspace(0.1, 5, 30)
+        curve = slom.curve_fit(logistic, x, logistic(x, 0.2, 3.2, 1.2, 1.7))
+        np.testing.assert_allclose(curve.popt, [0.2, 3.2, 1.2, 1.7], rtol=1e-8)
 
     def test_functions_that_make_arrays_like_x(self):
         def steps(x, a, b):
