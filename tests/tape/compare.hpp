@@ -97,8 +97,8 @@ void expectTraced(const F&, const std::vector<std::tuple<Z, X...>>& samples) {
     if (!hasInstructionSet(kernels)) continue;
     SCOPED_TRACE(static_cast<int>(kernels));
     results.push_back(evaluated(kind->tape, count, source, kernels));
-    expectClose(results.back().r, r, 1e-14 * size * 4);
-    expectClose(results.back().r_alone, r, 1e-14 * size * 4);
+    expectClose(results.back().r, r, 1e-14 * size);
+    expectClose(results.back().r_alone, r, 1e-14 * size);
     expectClose(results.back().J, J, 1e-12 * size_of_J);
   }
   if (results.size() == 3) {
