@@ -169,6 +169,9 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
       summary.stop_reason == StopReason::rank_deficient && options.fall_back && by.safeguarded() != nullptr;
   const bool is_hidden = evaluator.wasHidden();
   const Eigen::VectorXd step = may_go_on && !is_hidden ? stepFromSingularStart(summary) : Eigen::VectorXd();
+  // A long step may bring data back to which a loss gives no weight, but which of them is for the user to say.
+  const bool has_losses =
+      std::ranges::any_of(problem.pools(), [](const auto& pool) { return pool->lossCount() > 0; });
   if (may_go_on && (is_hidden || step.size() > 0)) {
     LevenbergMarquardt damped;
     Options limits = options;
@@ -177,7 +180,7 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
     fitFromNearer(
         fit,
         [&] {
-          if (step.size() > 0) run([&] { return evaluator.tryStep(step); });
+          if (step.size() > 0 && !has_losses) run([&] { return evaluator.tryStep(step); });
           return fitBy(damped, limits);
         },
         is_hidden ? "rounding errors of the residuals at the start hide what an unknown changes"
