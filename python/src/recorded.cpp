@@ -112,11 +112,13 @@ void appendNumbers(nb::handle result, std::vector<Number>& numbers) {
 
 namespace {
 
-[[noreturn]] void raiseValue(const char* function, const char* remedy) {
-  throw refused_value.emplace(
+[[noreturn]] void raiseValue(const char* function, const char* remedy, bool is_remembered = true) {
+  const mtk::Error error(
       "slom.traced-value",
       std::string(function) + " needs the value of a recorded number, which is not known yet; " + remedy,
       "measure");
+  if (is_remembered) refused_value = error;
+  throw error;
 }
 
 [[noreturn]] void raiseArithmetic() {
@@ -313,7 +315,9 @@ void bindConversions(nb::class_<Number>& number) {
            })
       .def("__index__",
            [](const Number&) -> nb::object {
-             raiseValue("an index", "look up data before est.measure and pass the result as an argument");
+             // NumPy 1.24 tries whether an exponent is an index, and goes on if it is none.
+             raiseValue("an index", "look up data before est.measure and pass the result as an argument",
+                        false);
            })
       .def(
           "__round__",
