@@ -36,6 +36,14 @@ void appendVariable(Argument& argument, const Variable& x, const std::string& su
   argument.variables.push_back(x.id);
 }
 
+Argument datumForAll(nb::handle value, const std::string& subject) {
+  Argument argument;
+  argument.type = ValueType::of(value, subject);
+  argument.type->append(value, argument.data, subject);
+  argument.is_for_all = true;
+  return argument;
+}
+
 Argument argumentOf(nb::handle value, const std::string& subject) {
   Argument argument;
   argument.is_variable = true;
@@ -69,9 +77,7 @@ Argument argumentOf(nb::handle value, const std::string& subject) {
     argument.type = rows.type;
     argument.data = std::move(rows.numbers);
   } else {
-    argument.type = ValueType::of(value, subject);
-    argument.type->append(value, argument.data, subject);
-    argument.is_for_all = true;
+    argument = datumForAll(value, subject);
   }
   return argument;
 }
@@ -128,15 +134,11 @@ Call callOf(nb::handle f, const nb::args& passed, nb::handle measured) {
 }
 
 Argument singleArgument(nb::handle value, const std::string& subject) {
-  Argument argument;
   if (nb::isinstance<Variable>(value)) return argumentOf(value, subject);
   if (nb::isinstance<VariableArray>(value))
     raiseArgument(subject,
                   "is an array of variables; pass its variables one by one, *x for all of an array x");
-  argument.type = ValueType::of(value, subject);
-  argument.type->append(value, argument.data, subject);
-  argument.is_for_all = true;
-  return argument;
+  return datumForAll(value, subject);
 }
 
 nb::object residualOf(const Call& call, const nb::list& arguments, bool is_recorded) {

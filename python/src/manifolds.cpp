@@ -23,20 +23,24 @@ std::vector<std::size_t> shapeOf(nb::handle x) {
   return nb::cast<std::vector<std::size_t>>(nb::tuple(numpy().attr("shape")(x)));
 }
 
+[[noreturn]] void raiseValue(const std::string& subject, const std::string& fault,
+                             const std::string& remedy) {
+  throw mtk::Error("slom.bad-value", subject + " " + fault + "; " + remedy, subject);
+}
+
 nb::object realArray(nb::handle x, const std::string& subject) {
-  const auto raise = [&](const std::string& fault, const std::string& remedy) {
-    throw mtk::Error("slom.bad-value", subject + " " + fault + "; " + remedy, subject);
-  };
   if (nb::hasattr(x, "mask") && nb::cast<bool>(numpy().attr("ma").attr("is_masked")(x)))
-    raise("has masked entries", "select the rows without them");
+    raiseValue(subject, "has masked entries", "select the rows without them");
   nb::object array;
   try {
     array = numpy().attr("asarray")(x);
   } catch (const nb::python_error&) {
-    raise("is an array whose rows have different lengths", "pass numbers, all rows of one length");
+    raiseValue(subject, "is an array whose rows have different lengths",
+               "pass numbers, all rows of one length");
   }
   if (nb::cast<std::string>(array.attr("dtype").attr("kind")).find_first_of("biuf") == std::string::npos) {
-    raise(
+    raiseValue(
+        subject,
         "is " +
             (nb::hasattr(x, "dtype")
                  ? "an array of " + nb::cast<std::string>(nb::str(nb::object(array.attr("dtype")))) + "s"

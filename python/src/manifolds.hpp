@@ -25,6 +25,9 @@ nb::object numpy();
 /// Returns numpy.shape(x).
 std::vector<std::size_t> shapeOf(nb::handle x);
 
+/// Throws [slom.bad-value].
+[[noreturn]] void raiseValue(const std::string& subject, const std::string& fault, const std::string& remedy);
+
 /// Returns x as an array of float64. `subject` names it in errors. Throws [slom.bad-value].
 nb::object realArray(nb::handle x, const std::string& subject);
 

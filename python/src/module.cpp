@@ -323,7 +323,8 @@ NB_MODULE(_slom, module) {
            "Brings the values to the optimum after changes, in time proportional to what they affect.")
       .def(
           "residuals", alone(&residuals), "name"_a = nb::none(),
-          "Returns the residuals of all measurements, or those of one name, in units of their standard deviations.")
+          "Returns the residuals of all measurements, or of the measurements with this name, in units of their standard "
+          "deviations.")
       .def_prop_ro("rss", alone(+[](const Estimator& est) { return est.getRSS(); }),
                    "The sum of squared whitened residuals.")
       .def_prop_ro(

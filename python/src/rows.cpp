@@ -12,11 +12,6 @@ namespace slom::python {
 
 namespace {
 
-[[noreturn]] void raiseValue(const std::string& subject, const std::string& fault,
-                             const std::string& remedy) {
-  throw mtk::Error("slom.bad-value", subject + " " + fault + "; " + remedy, subject);
-}
-
 void appendArray(nb::handle array, std::vector<double>& numbers) {
   const auto flat = nb::cast<Eigen::VectorXd>(array.attr("ravel")());
   numbers.insert(numbers.end(), flat.begin(), flat.end());
@@ -99,7 +94,7 @@ nb::object rowWise(const Rows& rows, nb::handle other, const F& f) {
   return toPython(rowsOf(results, "the result of an operation of Rows"));
 }
 
-/// Returns whether the values have an attribute such as `angle` that is no method.
+/// Returns whether the values have a property of this name, such as `angle`.
 bool hasProperty(const Rows& rows, const std::string& name) {
   if (rows.size() == 0 || name.front() == '_') return false;
   const nb::object first = rows.type->value(rows.row(0));

@@ -18,11 +18,6 @@ using tape::Number;
 
 namespace {
 
-[[noreturn]] void raiseValue(const std::string& subject, const std::string& fault,
-                             const std::string& remedy) {
-  throw mtk::Error("slom.bad-value", subject + " " + fault + "; " + remedy, subject);
-}
-
 std::string typeNameOf(nb::handle x) { return nb::cast<std::string>(x.type().attr("__name__")); }
 
 std::string textOf(const std::vector<std::size_t>& shape) {

@@ -37,8 +37,8 @@ double Convergence::mostNear(double rss) const {
 
 bool Convergence::isNear(double promised, double rss) const { return promised <= mostNear(rss); }
 
-/// Returns whether rounding errors of the residuals hide the promise. If the residuals are rounding errors themselves, as
-/// those of exact data, they show no variance to compare with.
+/// Returns whether rounding errors of the residuals hide the promise. Exact data leave residuals that are rounding errors
+/// alone, and such residuals show no variance.
 bool Convergence::isRounding(double promised, double rss) {
   const double rounding = evaluator_.roundingOfPromises();
   return promised <= rounding && (promised <= kMostRounding * variance(rss) || rounding >= kIsRounding * rss);
