@@ -2,7 +2,11 @@
 
 namespace slom::calibration {
 
-SymmetricEigen eigenOf(const Eigen::MatrixXd& A) { return SymmetricEigen(A); }
+SymmetricEigen eigenOf(const Eigen::MatrixXd& A) {
+  SymmetricEigen eigen(A.rows());
+  if (A.rows() > 0) eigen.compute(A);  // which reads the first entry
+  return eigen;
+}
 
 Eigen::MatrixXd scaledOnBothSides(const Eigen::MatrixXd& A, const Eigen::VectorXd& scale) {
   return scale.asDiagonal() * A * scale.asDiagonal();

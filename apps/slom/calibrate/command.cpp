@@ -12,6 +12,7 @@
 #include "calibrate/calibrate.hpp"
 #include "calibrate/detect/read_photos.hpp"
 #include "calibrate/html/page.hpp"
+#include "calibrate/imu_streams.hpp"
 #include "calibrate/library.hpp"
 #include "calibrate/options.hpp"
 #include "calibrate/output/comparison_text.hpp"
@@ -97,12 +98,12 @@ Progress printedProgress() {
 
 /// Writes the results. A result that is not sound goes to JSON, which says so, but not to YAML, whose readers would
 /// trust it.
-void writeFiles(const Dataset& data, const Result& result, const CommandSettings& settings,
-                const ImageNumbers& numbers) {
+void writeFiles(const Dataset& data, const Result& result, const std::optional<StreamResult>& streams,
+                const CommandSettings& settings, const ImageNumbers& numbers) {
   OutputFiles files;
   std::string said;
   if (!settings.jsonPath().empty()) {
-    files.add(settings.json_file, toJson(result, numbers));
+    files.add(settings.json_file, toJson(result, numbers, streams));
     said += fmt::format("written: {}\n", oneLine(settings.json_file));
   }
   const Unsoundness unsound = unsoundnessOf(result);
@@ -122,7 +123,7 @@ void writeFiles(const Dataset& data, const Result& result, const CommandSettings
   }
   files.commit();
   if (settings.jsonToStdout())
-    std::fputs(toJson(result, numbers).c_str(), stdout);  // main() checks that it arrived
+    std::fputs(toJson(result, numbers, streams).c_str(), stdout);  // main() checks that it arrived
   if (!settings.quiet && !said.empty()) say("\n" + said);
 }
 
@@ -205,6 +206,12 @@ std::string failureOf(const Result& result) {
   return "";
 }
 
+std::string failureOf(const StreamResult& streams) {
+  if (streams.success()) return "";
+  return "the calibration of the IMU failed: " +
+         (streams.undetermined.empty() || !streams.converged ? streams.message : streams.undetermined);
+}
+
 /// Refuses words that belong to no option. If one of them is a file, it most often belongs to a camera.
 void refuseExtras(const CLI::App& command) {
   const std::vector<std::string> words = command.remaining();
@@ -235,13 +242,20 @@ void run(const RawOptions& raw) {
   if (!settings.quiet) say(dataText(data));
   for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings))
     say(fmt::format("written: {}\n", oneLine(file)));
+  const std::vector<ImuStream> imus = inWordsOfOptions(settings, [&] { return readImuStreams(settings); });
   Result result = inWordsOfOptions(
       settings, [&] { return calibrateByChoice(data, settings, choicesOf(settings), progressOf(settings)); });
   if (result.comparison) result.comparison = inWordsOfOptions(settings, *result.comparison);
   assessResult(data, settings, result);
   if (!settings.quiet) say(reportText(result));
-  writeFiles(data, result, settings, numbers);
-  const std::string failure = failureOf(result);
+  std::optional<StreamResult> streams;
+  if (!imus.empty() && result.success())
+    streams = inWordsOfOptions(
+        settings, [&] { return calibrateStreams(data, settings, result, imus, settings.stream); });
+  if (streams && !settings.quiet) say(streamLines(*streams, result.cameras.front().name));
+  writeFiles(data, result, streams, settings, numbers);
+  std::string failure = failureOf(result);
+  if (failure.empty() && streams) failure = failureOf(*streams);
   if (failure.empty()) return;
   sayError(fmt::format("slom: {}\n", oneLine(failure)));
   throw CLI::RuntimeError(exit_not_converged);

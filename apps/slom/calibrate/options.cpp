@@ -83,6 +83,12 @@ CLI::Option* addUsualOptions(CLI::App& command, RawOptions& raw) {
       ->type_name("FILE")
       ->allow_extra_args(false);
   command
+      .add_option("--imu-stream", raw.imu_streams,
+                  "name and readings of an IMU in motion: time, gyroscope, accelerometer;\n"
+                  "repeat for each IMU; images then need times")
+      ->type_name("NAME=FILE")
+      ->allow_extra_args(false);
+  command
       .add_option("--intrinsics", raw.model,
                   wrapped("lens: " + listed(namesOf(allModels()), ", ", " or "), 70))
       ->type_name("MODEL")
@@ -146,6 +152,12 @@ void addMoreOptions(CLI::App& command, RawOptions& raw) {
                   "points up, or gravity")
       ->type_name("reaction|gravity")
       ->default_str("reaction");
+  command
+      .add_option("--imu-noise", raw.imu_noises,
+                  "noise densities of an --imu-stream, as in Kalibr's imu.yaml; otherwise\n"
+                  "estimated from the residuals")
+      ->type_name("NAME=FILE")
+      ->allow_extra_args(false);
   command
       .add_option("--sigma-acc", settings.sigma_acc, "standard deviation of each axis of a reading [m/s^2]")
       ->type_name("NUMBER")

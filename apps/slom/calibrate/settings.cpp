@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibrate/imu_streams.hpp"
 #include "calibrate/result_paths.hpp"
 #include "calibrate/sources.hpp"
 #include "error.hpp"
@@ -316,6 +317,10 @@ void checkPaths(const CommandSettings& settings) {
     for (const std::string& file : camera.files) inputs.push_back({"--camera " + camera.name, file});
   }
   inputs.push_back({"--imu", settings.imu_file});
+  for (const ImuFile& imu : settings.imu_streams) {
+    inputs.push_back({"--imu-stream " + imu.name, imu.file});
+    if (!imu.noise_file.empty()) inputs.push_back({"--imu-noise " + imu.name, imu.noise_file});
+  }
   checkResultPaths(inputs, resultFiles(settings));
 }
 
@@ -332,6 +337,18 @@ bool parseImuReads(const std::string& text, const CommandSettings& settings) {
   return text == "gravity";
 }
 
+/// Refuses values of an IMU that is not there. With streams, a fixed gravity is theirs.
+void checkFixedOfImu(CommandSettings& settings) {
+  Fixed& fixed = settings.fixed;
+  if (!settings.imu_streams.empty() && fixed.gravity) settings.stream.gravity = *fixed.gravity;
+  if (!settings.imu_file.empty()) return;
+  if (!settings.imu_streams.empty()) fixed.gravity.reset();
+  if (fixed.acc_bias || fixed.gravity) {
+    throw UserError(fmt::format("--fix {}: there is no IMU at rest; add --imu FILE or drop --fix",
+                                fixed.acc_bias ? "acc_bias" : "gravity"));
+  }
+}
+
 }  // namespace
 
 CommandSettings parseSettings(const RawOptions& raw) {
@@ -345,6 +362,7 @@ CommandSettings parseSettings(const RawOptions& raw) {
   }
   if (!raw.imu_files.empty()) settings.imu_file = raw.imu_files.front();
   parseSources(raw, settings);
+  settings.imu_streams = parseImuStreams(raw.imu_streams, raw.imu_noises, settings.cameras);
   settings.robust = parseRobust(raw.robust);
   settings.imu_reads_gravity = parseImuReads(raw.imu_reads, settings);
   parseSigmaBy(raw, settings);
@@ -362,10 +380,7 @@ CommandSettings parseSettings(const RawOptions& raw) {
     throw UserError(fmt::format("--max-iterations {}: give a number from 1 on", settings.max_iterations));
   }
   requireTimeLimit(settings.limits.max_seconds);
-  if (settings.imu_file.empty() && (settings.fixed.acc_bias || settings.fixed.gravity)) {
-    throw UserError(fmt::format("--fix {}: there is no IMU; add --imu FILE or drop --fix",
-                                settings.fixed.acc_bias ? "acc_bias" : "gravity"));
-  }
+  checkFixedOfImu(settings);
   settings.image_sizes = parseImageSizes(raw.image_sizes, settings.cameras);
   settings.format = parseFormat(raw.format, settings.yaml_file, settings.cameras.size());
   checkPaths(settings);

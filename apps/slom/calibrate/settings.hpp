@@ -20,6 +20,12 @@ struct CameraFile {
   std::vector<std::string> files{};     ///< corner files
 };
 
+/// `NAME=FILE` of --imu-stream, with the file of --imu-noise.
+struct ImuFile {
+  std::string name, file;
+  std::string noise_file;  ///< empty: none
+};
+
 /// The format of --output.
 enum class OutputFormat { opencv, ros, kalibr };
 
@@ -36,6 +42,8 @@ struct CommandSettings : Settings, ReportOptions {
       board_of_files;  ///< what the options say about a board in corner files; nothing: no option is given
   std::string corners_folder;            ///< for the corners that were found; empty: not written
   std::string imu_file;                  ///< empty: no IMU
+  std::vector<ImuFile> imu_streams;      ///< IMUs in motion
+  StreamSettings stream;                 ///< of these
   std::vector<LensOption> lens_options;  ///< Settings::lens follows from them
   std::vector<Model> compared;           ///< models of --compare; empty: none
   bool model_is_given = true;            ///< false: the comparison chooses the model
@@ -51,7 +59,7 @@ struct CommandSettings : Settings, ReportOptions {
 
 /// The options as text, as CLI11 passes them.
 struct RawOptions {
-  std::vector<std::string> cameras, images, imu_files;
+  std::vector<std::string> cameras, images, imu_files, imu_streams, imu_noises;
   BoardOptions board;
   std::vector<std::string> fixed, bounded, excluded;
   std::vector<std::string> image_sizes;

@@ -35,11 +35,20 @@ CameraFile parseNamed(const std::string& option, const std::string& text, const 
   if (!isName(name)) {
     throw UserError(
         fmt::format("{} {}: the name must begin with a letter and contain only letters, digits, _ and -; "
-                    "rename the camera",
+                    "rename the sensor",
                     option, text));
   }
   return {name, text.substr(equals + 1)};
 }
+
+}  // namespace
+
+NamedFileText parseNamedFile(const std::string& option, const std::string& text, const char* example) {
+  const CameraFile named = parseNamed(option, text, example);
+  return {named.name, named.file};
+}
+
+namespace {
 
 /// Returns the camera of this name. Adds it if there is none.
 CameraFile& withName(const std::string& name, std::vector<CameraFile>& cameras) {

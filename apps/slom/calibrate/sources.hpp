@@ -9,6 +9,12 @@ namespace slom::app::calib {
 /// options that belong to the other kind.
 void parseSources(const RawOptions& raw, CommandSettings& settings);
 
+struct NamedFileText {
+  std::string name, file;
+};
+/// Parses `NAME=FILE` of an option. `example` shows how to write the option.
+NamedFileText parseNamedFile(const std::string& option, const std::string& text, const char* example);
+
 /// Parses `left=640x480`, or `640x480` for all cameras.
 std::map<std::string, ImageSize> parseImageSizes(const std::vector<std::string>& texts,
                                                  const std::vector<CameraFile>& cameras);

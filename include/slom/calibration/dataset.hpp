@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -48,6 +49,8 @@ struct View {
   std::vector<Corner> corners;
   std::string photo{};  ///< file of the photograph with the corners; empty: unknown
   std::string file{};   ///< source of the corners in messages; empty: CameraData::file
+  std::optional<std::int64_t>
+      time_ns{};  ///< when it was taken, in the clock of the cameras; nothing: unknown
 };
 
 /// A photograph that the fit does not use.

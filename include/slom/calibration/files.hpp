@@ -15,6 +15,8 @@ struct BoardOfFiles {
   int columns = 0, rows = 0;   ///< corners along a row, and rows; 0: unknown
   double square_m = 0;         ///< distance between neighbouring corners [m]; 0: unknown
   std::vector<vec3> points{};  ///< positions of the corners [m], row by row; empty: a grid of squares
+  /// Positions of the corners by Corner::number [m], for tables without positions. Empty: `points`.
+  std::vector<vec3> numbered{};
 };
 
 /// Reads the corners of a camera from a file or pipe with the header
@@ -25,6 +27,9 @@ struct BoardOfFiles {
 /// Throws the errors of io::openInput. Throws DataError [slom.calibration.bad-file] with file and line in these cases:
 /// no rows, another header, a row of another length, a field that is not a number or too large, a corner that an image
 /// lists twice.
+///
+/// In place of `image`, the first column may be a time: `t_ns`, whole nanoseconds, or `t_s`, seconds. The columns
+/// world_x_m to world_z_m may be missing if the board is given (readRig).
 ///
 /// Files of other programs are recognised by their first words: `corners.vnl` of mrcal, XML, YAML and JSON of OpenCV's
 /// FileStorage with `image_points`. If such a file does not contain the positions of its corners, throws

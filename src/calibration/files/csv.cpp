@@ -117,6 +117,29 @@ std::string CsvRow::digits(std::size_t column) const {
   return std::string(text.substr(std::min(text.find_first_not_of('0'), text.size() - 1)));
 }
 
+std::string CsvRow::nanoseconds(std::size_t column) const {
+  const std::string_view text = fields_->at(first_field_ + column);
+  const std::size_t point = std::min(text.find_first_of(".,"), text.size());
+  std::string whole(text.substr(0, point));
+  std::string rest(text.substr(std::min(point + 1, text.size())));
+  constexpr std::size_t most = 10, places = 9;
+  if (whole.empty() || whole.size() > most ||
+      (whole + rest).find_first_not_of("0123456789") != std::string::npos)
+    fail(column, "write seconds there, as in 1403715273.262143");
+  rest.resize(places, '0');
+  whole += rest;
+  return whole.substr(std::min(whole.find_first_not_of('0'), whole.size() - 1));
+}
+
+std::vector<std::string> columnsOf(std::string_view text) {
+  std::vector<CsvComment> comments;
+  Lines lines{text};
+  std::string_view header;
+  std::vector<std::string_view> names;
+  if (lines.next(header, comments)) split(header, separatorOf(header), names);
+  return {names.begin(), names.end()};
+}
+
 CsvTable::CsvTable(std::string file, std::string text_of_file, std::vector<std::string> columns)
     : file_(std::move(file)), columns_(std::move(columns)), text_(std::move(text_of_file)) {
   const std::string header = fmt::format("{}", fmt::join(columns_, ","));

@@ -26,6 +26,8 @@ class CsvRow {
   int index(std::size_t column) const;
   /// Returns the digits of a whole number of any size, without leading zeros. Throws likewise.
   std::string digits(std::size_t column) const;
+  /// Returns a time in seconds, such as 1403715273.262143, as whole nanoseconds from 0 on. Throws likewise.
+  std::string nanoseconds(std::size_t column) const;
 
  private:
   [[noreturn]] void fail(std::size_t column, const std::string& expectation) const;
@@ -41,6 +43,9 @@ struct CsvComment {
   std::string text;  ///< without the #
   int line = 0;
 };
+
+/// Returns the names of the columns of a table with a header.
+std::vector<std::string> columnsOf(std::string_view text);
 
 /// A file with a header line of known column names. Fields are separated by commas, semicolons or tabs; the header
 /// decides. With semicolons or tabs, numbers may have a decimal comma. Skipped are blank lines, lines that start with

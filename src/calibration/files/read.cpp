@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -74,12 +75,56 @@ const std::vector<std::string> corner_columns{"image",     "corner", "world_x_m"
                                               "world_z_m", "u_px",   "v_px"},
     imu_columns{"image", "ax_m_s2", "ay_m_s2", "az_m_s2", "valid"};
 
+/// A table of corners: what its first column counts, and whether it states where the corners lie.
+struct CornerTable {
+  CsvTable table;
+  bool is_in_ns = false, is_in_s = false;
+  bool has_world = true;
+
+  CornerTable(const std::string& file, std::string text)
+      : CornerTable(file, columnsOf(text), std::move(text)) {}
+
+  /// Returns the digits of the image number or time of a row.
+  std::string digits(const CsvRow& row) const { return is_in_s ? row.nanoseconds(0) : row.digits(0); }
+  /// Returns the time of a row, if the first column has times. Numbers of images that are as long as the time since
+  /// 1970 in microseconds or nanoseconds are times, too.
+  std::optional<std::int64_t> time(const std::string& digits) const {
+    constexpr std::size_t in_us = 16, in_ns = 19;
+    std::int64_t time = 0;
+    const bool is_time = is_in_s || is_in_ns || digits.size() == in_us || digits.size() == in_ns;
+    if (!is_time || !io::parseNumber(digits, time)) return {};
+    return is_in_s || is_in_ns || digits.size() == in_ns ? time : 1000 * time;
+  }
+
+ private:
+  /// Returns the columns that a file with this header should have: the usual ones unless the header is one of the others.
+  static std::vector<std::string> expected(const std::vector<std::string>& header) {
+    for (const char* const first : {"image", "t_ns", "t_s"}) {
+      std::vector<std::string> all = corner_columns;
+      all.front() = first;
+      const std::vector<std::string> without{all[0], all[1], all[5], all[6]};
+      if (header == all || header == without) return header;
+    }
+    return corner_columns;
+  }
+  CornerTable(const std::string& file, const std::vector<std::string>& header, std::string&& text)
+      : table(file, std::move(text), expected(header)),
+        is_in_ns(header.front() == "t_ns"),
+        is_in_s(header.front() == "t_s"),
+        has_world(header.size() == corner_columns.size()) {}
+};
+
 /// Returns the image numbers of the rows that count, each once.
 std::vector<std::string> numbersIn(const CsvTable& table, const std::function<bool(const CsvRow&)>& counts) {
   std::set<std::string> numbers;
   for (const CsvRow& row : table.rows()) {
     if (counts(row)) numbers.insert(row.digits(0));
   }
+  return {numbers.begin(), numbers.end()};
+}
+std::vector<std::string> numbersIn(const CornerTable& corners) {
+  std::set<std::string> numbers;
+  for (const CsvRow& row : corners.table.rows()) numbers.insert(corners.digits(row));
   return {numbers.begin(), numbers.end()};
 }
 
@@ -90,11 +135,26 @@ bool isValid(const CsvRow& row) {
   return valid == 1;
 }
 
-CameraData cornersIn(const CsvTable& table, const std::string& camera_name, const ImageOf& image_of) {
+/// Returns the place of a corner: that of its row, or that of its number on the board.
+vec3 worldOf(const CsvRow& row, bool has_world, const std::vector<vec3>& board) {
+  if (has_world)
+    return vec3(row.number(2, most_corner_m), row.number(3, most_corner_m), row.number(4, most_corner_m));
+  const int number = row.index(1);
+  if (std::size_t(number) < board.size()) return board[std::size_t(number)];
+  badFile(fmt::format(
+      "{}: the board has {} corners and no corner {}; correct the number, or the size of the board",
+      row.place(), board.size(), number));
+}
+
+CameraData cornersIn(const CornerTable& corners, const std::string& camera_name, const ImageOf& image_of,
+                     const std::vector<vec3>& board) {
+  const CsvTable& table = corners.table;
+  const std::size_t u = corners.has_world ? 5 : 2;
   std::map<int, View> views;
   std::map<std::pair<int, int>, int> line_of;  // (image, corner) -> line
   for (const CsvRow& row : table.rows()) {
-    const int image = *image_of(row.digits(0)), number = row.index(1);
+    const std::string digits = corners.digits(row);
+    const int image = *image_of(digits), number = row.index(1);
     const auto [known, is_new] = line_of.emplace(std::pair(image, number), row.line());
     if (!is_new) {
       badFile(
@@ -103,10 +163,10 @@ CameraData cornersIn(const CsvTable& table, const std::string& camera_name, cons
     }
     View& view = views[image];
     view.image = image;
-    view.corners.push_back(
-        {number,
-         vec3(row.number(2, most_corner_m), row.number(3, most_corner_m), row.number(4, most_corner_m)),
-         vec2(row.number(5, most_corner_px), row.number(6, most_corner_px)), row.line()});
+    if (view.corners.empty()) view.time_ns = corners.time(digits);
+    view.corners.push_back({number, worldOf(row, corners.has_world, board),
+                            vec2(row.number(u, most_corner_px), row.number(u + 1, most_corner_px)),
+                            row.line()});
   }
   CameraData camera{camera_name, table.file(), {}, {}};
   for (const CsvComment& comment : table.comments()) {
@@ -204,31 +264,41 @@ ImuData readingsIn(const CsvTable& table, const ImageOf& image_of) {
 
 namespace {
 
+/// Returns the places of corners by their numbers, for a table that does not state them.
+std::vector<vec3> numberedPoints(const BoardOfFiles& board, const std::string& file) {
+  return board.numbered.empty() ? pointsOf(board, file) : board.numbered;
+}
+
 /// One file of corners: a table, or a file of another program.
 struct CornerFile {
-  std::unique_ptr<CsvTable> table;
+  std::unique_ptr<CornerTable> table;
+  std::vector<vec3> board;  ///< of a table without places of the corners
   std::optional<GridFile> grid;
 
-  CornerFile(const std::string& file, const BoardOfFiles& board) {
+  CornerFile(const std::string& file, const BoardOfFiles& given) {
     std::string text = io::readWhole(file);
     const FileFormat format = formatOf(text);
-    if (format == FileFormat::table)
-      table = std::make_unique<CsvTable>(file, std::move(text), corner_columns);
-    else if (format == FileFormat::vnlog)
-      grid = readVnlog(file, text, board);
-    else
-      grid = readFileStorage(file, std::move(text), format, board);
+    if (format == FileFormat::table) {
+      table = std::make_unique<CornerTable>(file, std::move(text));
+      if (!table->has_world) board = numberedPoints(given, file);
+    } else if (format == FileFormat::vnlog) {
+      grid = readVnlog(file, text, given);
+    } else {
+      grid = readFileStorage(file, std::move(text), format, given);
+    }
   }
 
+  bool usesBoard() const { return grid ? grid->uses_board : !table->has_world; }
+
   std::vector<std::string> numbers() const {
-    if (table) return numbersIn(*table, [](const CsvRow&) { return true; });
+    if (table) return numbersIn(*table);
     std::vector<std::string> digits;
     for (const GridImage& image : grid->images) digits.push_back(image.digits);
     return digits;
   }
 
   CameraData camera(const std::string& name, const ImageOf& image_of) const {
-    return table ? cornersIn(*table, name, image_of) : cornersIn(*grid, name, image_of);
+    return table ? cornersIn(*table, name, image_of, board) : cornersIn(*grid, name, image_of);
   }
 };
 
@@ -258,8 +328,7 @@ struct RigFiles {
 
   bool useBoard() const {
     return std::any_of(cameras.begin(), cameras.end(), [](const auto& files) {
-      return std::any_of(files.begin(), files.end(),
-                         [](const CornerFile& file) { return file.grid && file.grid->uses_board; });
+      return std::any_of(files.begin(), files.end(), [](const CornerFile& file) { return file.usesBoard(); });
     });
   }
 };

@@ -92,14 +92,15 @@ void RigProblem::insertReadout(const CameraData& camera) {
 
 namespace {
 
-/// Inserts corners as a measurement of these variables, and of the readout if there is one.
+/// Inserts corners as a measurement of these variables, and of the readout if there is one. Options
+/// follow the variables.
 template <class Corners, class... Variables>
-void insert(Estimator& estimator, const Corners& corners, double sigma,
-            const std::optional<VarID<mtk::Scalar<>>>& readout, const Variables&... variables) {
+void insert(Estimator& estimator, const Corners& corners, const std::optional<VarID<mtk::Scalar<>>>& readout,
+            const Variables&... variables_and_options) {
   if (readout)
-    estimator.insertMeasurement(WithReadout(corners), *readout, variables..., StandardDeviation(sigma));
+    estimator.insertMeasurement(WithReadout(corners), *readout, variables_and_options...);
   else
-    estimator.insertMeasurement(corners, variables..., StandardDeviation(sigma));
+    estimator.insertMeasurement(corners, variables_and_options...);
 }
 
 }  // namespace
@@ -108,10 +109,12 @@ void RigProblem::insertCorners() {
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     for (const View& view : data_.cameras[c].views) {
       const auto pose = left2world_.at(view.image);
+      const StandardDeviation sigma(settings_.sigma_px);
+      const Group image = group("image", view.image);
       if (c == 0)
-        insert(est_, ViewOfLeft(view), settings_.sigma_px, readout_[c], cameras_[c], pose);
+        insert(est_, ViewOfLeft(view), readout_[c], cameras_[c], pose, sigma, image);
       else
-        insert(est_, ViewOfOther(view), settings_.sigma_px, readout_[c], cameras_[c], left2camera_[c], pose);
+        insert(est_, ViewOfOther(view), readout_[c], cameras_[c], left2camera_[c], pose, sigma, image);
     }
   }
 }
@@ -122,13 +125,13 @@ void RigProblem::insertCornersOfShape() {
       const auto pose = left2world_.at(view.image);
       for (const Corner& corner : view.corners) {
         const auto shape = board_->of(corner);
-        const double sigma = settings_.sigma_px * corner.sigma;
+        const StandardDeviation sigma(settings_.sigma_px * corner.sigma);
         if (c == 0)
-          insert(est_, CornerOfShapeInLeft(corner, board_->basis()), sigma, readout_[c], cameras_[c], pose,
-                 shape);
+          insert(est_, CornerOfShapeInLeft(corner, board_->basis()), readout_[c], cameras_[c], pose, shape,
+                 sigma);
         else
-          insert(est_, CornerOfShapeInOther(corner, board_->basis()), sigma, readout_[c], cameras_[c],
-                 left2camera_[c], pose, shape);
+          insert(est_, CornerOfShapeInOther(corner, board_->basis()), readout_[c], cameras_[c],
+                 left2camera_[c], pose, shape, sigma);
       }
     }
   }

@@ -34,6 +34,13 @@ class RigProblem {
   /// Returns the RMS distance between projected and measured pixels of all corners [px].
   double rmsOfAll() const;
 
+  /// The problem, for measurements of further sensors. Views are in groups "image".
+  Estimator& estimator() { return est_; }
+  const std::map<int, VarID<SE3>>& poses() const { return left2world_; }
+  const std::vector<VarID<Lens>>& lenses() const { return cameras_; }
+  /// Returns the poses left2camera of all cameras but the first.
+  std::vector<VarID<SE3>> camerasOnRig() const { return {left2camera_.begin() + 1, left2camera_.end()}; }
+
  private:
   void insertReadout(const CameraData& camera);
   void insertCorners();

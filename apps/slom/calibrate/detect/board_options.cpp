@@ -138,6 +138,18 @@ Board boardOfTarget(const BoardOptions& options) {
   return board;
 }
 
+/// Returns the corners of an AprilGrid in Kalibr's order: tag by tag, each counterclockwise from the lower left.
+std::vector<vec3> cornersByTag(const Board& board) {
+  std::vector<vec3> corners;
+  for (int tag = 0; tag < board.columns * board.rows; ++tag) {
+    for (const auto& [right, up] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
+      const int column = 2 * (tag % board.columns) + right, row = 2 * (tag / board.columns) + up;
+      corners.push_back(board.corner(row * board.cornerColumns() + column));
+    }
+  }
+  return corners;
+}
+
 }  // namespace
 
 void requireMetres(const std::string& option, double value, double across_m) {
@@ -183,6 +195,7 @@ std::optional<BoardOfFiles> parseBoardOfFiles(const BoardOptions& options) {
   BoardOfFiles known{board.cornerColumns(), board.cornerRows(), board.square_m};
   if (board.square_m == 0) return known;
   for (int i = 0; i < board.cornerCount(); ++i) known.points.push_back(board.corner(i));
+  if (board.kind == BoardKind::aprilgrid) known.numbered = cornersByTag(board);
   return known;
 }
 

@@ -249,9 +249,59 @@ Json stampsJson(const ImageNumbers& numbers) {
           {"spacing", numbers.spacing()}};
 }
 
+Json imuStreamJson(const ImuStreamResult& imu) {
+  Json pose = poseJson(imu.left2imu);
+  Eigen::VectorXd std(6);
+  std << imu.translation_std, imu.rotation_std;
+  pose["std"] = list(std);
+  std << imu.translation_clustered, imu.rotation_clustered;
+  pose["std_clustered"] = list(std);
+  return {{"file", imu.file},
+          {"samples", imu.samples},
+          {"intervals", imu.intervals},
+          {"pose_from_cam0", std::move(pose)},
+          {"time_offset_s",
+           {{"value", imu.time_offset},
+            {"std", imu.time_offset_std},
+            {"std_clustered", imu.time_offset_clustered}}},
+          {"gyro_bias", list(imu.gyro_bias)},
+          {"acc_bias", list(imu.force_bias)},
+          {"rms_gyro", imu.rms_gyro},
+          {"rms_acc", imu.rms_force},
+          {"noise",
+           {{"gyroscope_noise_density", imu.noise.gyro},
+            {"gyroscope_random_walk", imu.noise.gyro_walk},
+            {"accelerometer_noise_density", imu.noise.force},
+            {"accelerometer_random_walk", imu.noise.force_walk},
+            {"is_given", imu.noise_is_given},
+            {"gyroscope_ratio", imu.gyro_ratio},
+            {"accelerometer_ratio", imu.force_ratio}}}};
+}
+
+/// Adds IMUs in motion, gravity, and how their fit ended.
+void addStreams(const StreamResult& streams, Json& json) {
+  Json imus = Json::object();
+  for (const ImuStreamResult& imu : streams.imus) imus[imu.name] = imuStreamJson(imu);
+  json["imus"] = std::move(imus);
+  json["gravity"] = list(streams.gravity);
+  json["gravity_direction_std"] = streams.gravity_direction_std;
+  json["streams"] = {{"converged", streams.converged},
+                     {"stop_reason", streams.stop_reason},
+                     {"message", streams.message},
+                     {"undetermined", streams.undetermined.empty() ? Json() : Json(streams.undetermined)},
+                     {"iterations", streams.iterations},
+                     {"measurements", streams.measurements},
+                     {"unknowns", streams.unknowns},
+                     {"sigma_px", streams.sigma_px},
+                     {"largest_camera_change", streams.largest_camera_change},
+                     {"most_changed", streams.most_changed},
+                     {"notes", streams.notes}};
+}
+
 }  // namespace
 
-std::string toJson(const Result& result, const ImageNumbers& numbers) {
+std::string toJson(const Result& result, const ImageNumbers& numbers,
+                   const std::optional<StreamResult>& streams) {
   const std::string& reference = result.cameras.front().name;
   Json rms, cameras, images = Json::array(), worst = Json::array(), strays = Json::array();
   for (const CameraResult& camera : result.cameras) {
@@ -268,7 +318,7 @@ std::string toJson(const Result& result, const ImageNumbers& numbers) {
                       {"why", stray.why}});
   }
   for (const ImageResult* image : result.worstImages(5)) worst.push_back(image->image);
-  const Json json = {
+  Json json = {
       {"kernels", slom::instructionSet()},
       {"converged", result.converged},
       {"stop_reason", result.stop_reason},
@@ -307,6 +357,7 @@ std::string toJson(const Result& result, const ImageNumbers& numbers) {
       {"notes", notes(result)},
       {"images", std::move(images)},
       {"quality", result.quality ? qualityJson(result) : Json()}};
+  if (streams) addStreams(*streams, json);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";  // names need not be UTF-8
 }
 

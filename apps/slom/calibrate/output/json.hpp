@@ -1,6 +1,7 @@
 // The result as JSON; docs/calibrate/results.md lists the keys.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "calibrate/library.hpp"
@@ -8,7 +9,8 @@
 namespace slom::app::calib {
 
 /// Returns all numbers with all digits; undetermined ones are null. `numbers`: how time stamps of the files were
-/// paired.
-std::string toJson(const Result& result, const ImageNumbers& numbers = {});
+/// paired. `streams`: IMUs in motion, if there are any.
+std::string toJson(const Result& result, const ImageNumbers& numbers = {},
+                   const std::optional<StreamResult>& streams = {});
 
 }  // namespace slom::app::calib

@@ -1,0 +1,119 @@
+#include "calibration/streams/check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/median.hpp"
+#include "slom/calibration/error.hpp"
+
+namespace slom::calibration {
+namespace {
+
+std::string nameOf(const ImuStream& imu) { return imu.file.empty() ? imu.name : imu.file; }
+
+[[noreturn]] void badStream(const ImuStream& imu, const std::string& fault, const std::string& remedy) {
+  throw DataError("slom.calibration.bad-stream", {.place = nameOf(imu), .fault = fault, .remedy = remedy});
+}
+
+/// Refuses forces in units of gravity or thousandths of it: their median magnitude is then far from 9.8.
+void requireForcesInUnits(const ImuStream& imu) {
+  constexpr double gravity = 9.81, spread = 1.5;
+  std::vector<double> magnitudes;
+  for (const ImuSample& sample : imu.samples) magnitudes.push_back(sample.force.norm());
+  const double median = medianOf(magnitudes);
+  const auto isNear = [&](double value) { return median > value / spread && median < value * spread; };
+  if (isNear(gravity)) return;
+  const std::string fault =
+      fmt::format("the specific forces have a magnitude of {:.3g} in the median", median);
+  if (isNear(1)) badStream(imu, fault + ", as if they were in units of gravity", "multiply them by 9.80665");
+  if (isNear(1000))
+    badStream(imu, fault + ", as if they were in thousandths of gravity", "multiply them by 0.00980665");
+  badStream(imu, fault + " instead of about 9.8 m/s^2",
+            "give specific forces in m/s^2 in the last three columns, with gravity in them");
+}
+
+/// Returns the number of readings of an axis that equal its largest magnitude, in runs of three or more.
+template <class Value>
+std::size_t saturated(const ImuStream& imu, const Value& value) {
+  double largest = 0;
+  for (const ImuSample& sample : imu.samples) largest = std::max(largest, std::abs(value(sample)));
+  constexpr std::size_t shortest = 3;
+  std::size_t run = 0, all = 0;
+  for (const ImuSample& sample : imu.samples) {
+    run = std::abs(value(sample)) == largest ? run + 1 : 0;
+    all += run == shortest ? shortest : run > shortest ? 1 : 0;
+  }
+  return largest > 0 ? all : 0;
+}
+
+}  // namespace
+
+void requireGoodStream(const ImuStream& imu) {
+  if (imu.samples.size() < 2) badStream(imu, "there are fewer than two readings", "give a recording");
+  for (std::size_t i = 0; i < imu.samples.size(); ++i) {
+    const ImuSample& sample = imu.samples[i];
+    if (!std::isfinite(sample.time) || !sample.gyro.allFinite() || !sample.force.allFinite())
+      badStream(imu, fmt::format("samples[{}] is not finite", i), "leave it out");
+    if (i > 0 && !(sample.time > imu.samples[i - 1].time))
+      badStream(imu, fmt::format("samples[{}] is at {:.6f} s, not after the one before", i, sample.time),
+                "sort the samples by time, and keep one of each time");
+  }
+  if (imu.noise) {
+    for (const auto& [what, density] : {std::pair("gyro", imu.noise->gyro),
+                                        {"force", imu.noise->force},
+                                        {"gyro_walk", imu.noise->gyro_walk},
+                                        {"force_walk", imu.noise->force_walk}}) {
+      if (!(density > 0 && std::isfinite(density)))
+        badStream(imu, fmt::format("the density ImuNoise::{} is {}", what, density),
+                  "give a positive number");
+    }
+  }
+  requireForcesInUnits(imu);
+}
+
+std::vector<std::pair<double, double>> gapsOf(const ImuStream& imu) {
+  constexpr double usual_intervals = 5;
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < imu.samples.size(); ++i)
+    intervals.push_back(imu.samples[i].time - imu.samples[i - 1].time);
+  const double longest = usual_intervals * medianOf(intervals);
+  std::vector<std::pair<double, double>> gaps;
+  for (std::size_t i = 1; i < imu.samples.size(); ++i) {
+    if (imu.samples[i].time - imu.samples[i - 1].time > longest)
+      gaps.emplace_back(imu.samples[i - 1].time, imu.samples[i].time);
+  }
+  return gaps;
+}
+
+std::vector<std::string> notesOf(const ImuStream& imu) {
+  std::vector<std::string> notes;
+  const auto gaps = gapsOf(imu);
+  if (!gaps.empty()) {
+    const auto longest = *std::max_element(gaps.begin(), gaps.end(), [](const auto& a, const auto& b) {
+      return a.second - a.first < b.second - b.first;
+    });
+    notes.push_back(fmt::format(
+        "{}: readings are missing {}, for up to {:.3g} s, {:.3f} s after the first reading; pairs of images around the "
+        "gap are not used.",
+        nameOf(imu), gaps.size() == 1 ? "once" : fmt::format("{} times", gaps.size()),
+        longest.second - longest.first, longest.first));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t gyro = saturated(imu, [&](const ImuSample& s) { return s.gyro[axis]; });
+    const std::size_t force = saturated(imu, [&](const ImuSample& s) { return s.force[axis]; });
+    for (const auto& [count, what] : {std::pair(gyro, "gyroscope"), {force, "accelerometer"}}) {
+      if (count > 0)
+        notes.push_back(fmt::format(
+            "{}: {} readings of the {}'s {} axis stay at its largest magnitude, as if the sensor were saturated; use a "
+            "larger range, or move less quickly.",
+            nameOf(imu), count, what, "xyz"[axis]));
+    }
+  }
+  return notes;
+}
+
+}  // namespace slom::calibration

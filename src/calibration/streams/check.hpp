@@ -1,0 +1,22 @@
+// Streams of an IMU as data: what cannot be used, and what the result should mention.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "slom/calibration/imu_stream.hpp"
+
+namespace slom::calibration {
+
+/// Throws DataError [slom.calibration.bad-stream] if samples are not finite, their times do not rise, there are fewer than
+/// two, a density of the noise is not positive, or the forces are not in m/s^2.
+void requireGoodStream(const ImuStream& imu);
+
+/// Returns the times between which readings are missing: gaps of more than 5 usual intervals, in seconds from the epoch.
+std::vector<std::pair<double, double>> gapsOf(const ImuStream& imu);
+
+/// Returns sentences about gaps, and about axes that stay at their largest reading as a saturated sensor does.
+std::vector<std::string> notesOf(const ImuStream& imu);
+
+}  // namespace slom::calibration

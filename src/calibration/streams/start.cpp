@@ -1,0 +1,279 @@
+#include "calibration/streams/start.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include "calibration/median.hpp"
+#include "calibration/streams/between_images.hpp"
+#include "slom/calibration/error.hpp"
+
+namespace slom::calibration {
+namespace {
+
+constexpr double longest_pair = 0.5;  // s; images farther apart say little about the rate between them
+
+/// The mean angular velocity between two images, in the reference camera.
+struct CameraRate {
+  double from = 0, to = 0;
+  vec3 rate;
+};
+
+std::vector<CameraRate> cameraRates(const std::vector<RigAtImage>& images) {
+  std::vector<CameraRate> rates;
+  for (std::size_t i = 1; i < images.size(); ++i) {
+    const RigAtImage &a = images[i - 1], &b = images[i];
+    const double duration = b.time - a.time;
+    if (duration > longest_pair) continue;
+    const SO3 turn = a.left2world.orient.inverse() * b.left2world.orient;
+    rates.push_back({a.time, b.time, vec3(SO3::log(turn) / duration)});
+  }
+  return rates;
+}
+
+/// The integral of the angular velocity, for means over intervals.
+class GyroIntegral {
+ public:
+  explicit GyroIntegral(const std::vector<ImuSample>& samples) : samples_(samples) {
+    sums_.emplace_back(0., 0., 0.);
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      const double h = samples[i].time - samples[i - 1].time;
+      sums_.push_back(vec3(sums_.back() + (samples[i].gyro + samples[i - 1].gyro) * (h / 2)));
+    }
+  }
+  bool covers(double from, double to) const {
+    return from >= samples_.front().time && to <= samples_.back().time;
+  }
+  vec3 mean(double from, double to) const { return vec3((at(to) - at(from)) / (to - from)); }
+
+ private:
+  vec3 at(double time) const {
+    const auto next = std::upper_bound(samples_.begin() + 1, samples_.end() - 1, time,
+                                       [](double t, const ImuSample& s) { return t < s.time; });
+    const std::size_t i = std::size_t(next - samples_.begin());
+    const double along = (time - samples_[i - 1].time) / (samples_[i].time - samples_[i - 1].time);
+    return vec3(sums_[i - 1] + (sums_[i] - sums_[i - 1]) * along);
+  }
+
+  const std::vector<ImuSample>& samples_;
+  std::vector<vec3> sums_;
+};
+
+/// Rates of both sensors in the same intervals.
+struct RatePairs {
+  std::vector<vec3> camera, gyro;
+};
+
+RatePairs pairsAt(double offset, const std::vector<CameraRate>& rates, const GyroIntegral& gyro) {
+  RatePairs pairs;
+  for (const CameraRate& one : rates) {
+    if (!gyro.covers(one.from + offset, one.to + offset)) continue;
+    pairs.camera.push_back(one.rate);
+    pairs.gyro.push_back(gyro.mean(one.from + offset, one.to + offset));
+  }
+  return pairs;
+}
+
+/// Returns the correlation of the magnitudes.
+double correlationOf(const RatePairs& pairs) {
+  const double n = double(pairs.camera.size());
+  double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < pairs.camera.size(); ++i) {
+    const double x = pairs.camera[i].norm(), y = pairs.gyro[i].norm();
+    a += x, b += y, aa += x * x, bb += y * y, ab += x * y;
+  }
+  const double spread = (aa - a * a / n) * (bb - b * b / n);
+  return spread > 0 ? (ab - a * b / n) / std::sqrt(spread) : 0;
+}
+
+struct Peak {
+  double offset = 0, correlation = -1, evidence = -1;
+};
+
+/// Returns the best offset on a grid. Evidence grows with the number of common intervals: Fisher's z.
+Peak bestOnGrid(double first, double last, double step, std::size_t fewest,
+                const std::vector<CameraRate>& rates, const GyroIntegral& gyro) {
+  Peak best;
+  for (double offset = first; offset <= last; offset += step) {
+    const RatePairs pairs = pairsAt(offset, rates, gyro);
+    if (pairs.camera.size() < fewest) continue;
+    const double r = std::min(correlationOf(pairs), 1 - 1e-9);
+    const double evidence = std::atanh(r) * std::sqrt(double(pairs.camera.size()));
+    if (evidence > best.evidence) best = {offset, r, evidence};
+  }
+  return best;
+}
+
+/// The rotation, or with `mirrored` the rotation and reflection, that best moves the camera's rates to the gyroscope's.
+struct Alignment {
+  Eigen::Matrix3d R;
+  vec3 bias;
+  double rms = 0;
+};
+
+Alignment align(const RatePairs& pairs, bool mirrored) {
+  const double n = double(pairs.camera.size());
+  Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = a;
+  for (std::size_t i = 0; i < pairs.camera.size(); ++i) a += pairs.camera[i] / n, b += pairs.gyro[i] / n;
+  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < pairs.camera.size(); ++i)
+    B += (pairs.gyro[i] - b) * (pairs.camera[i] - a).transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() * (mirrored ? -1 : 1);
+  Alignment result;
+  result.R =
+      svd.matrixU() * Eigen::Vector3d(1, 1, sign > 0 ? 1 : -1).asDiagonal() * svd.matrixV().transpose();
+  result.bias = vec3(b - result.R * a);
+  for (std::size_t i = 0; i < pairs.camera.size(); ++i)
+    result.rms += (result.R * pairs.camera[i] + result.bias - pairs.gyro[i]).squaredNorm() / n;
+  result.rms = std::sqrt(result.rms);
+  return result;
+}
+
+[[noreturn]] void badStream(const ImuStream& imu, const std::string& fault, const std::string& remedy) {
+  throw DataError("slom.calibration.bad-stream",
+                  {.place = imu.file.empty() ? imu.name : imu.file, .fault = fault, .remedy = remedy});
+}
+
+double spreadOf(const std::vector<vec3>& rates) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const vec3& rate : rates) mean += rate / double(rates.size());
+  double square = 0;
+  for (const vec3& rate : rates) square += (rate - mean).squaredNorm() / double(rates.size());
+  return std::sqrt(square);
+}
+
+/// Refuses angular velocities in degrees, and axes of the other hand.
+void requireUnitsAndHand(const ImuStream& imu, const RatePairs& pairs) {
+  const double ratio = spreadOf(pairs.gyro) / spreadOf(pairs.camera);
+  constexpr double degrees = 57.29578;
+  if (ratio > 0.7 * degrees && ratio < 1.4 * degrees)
+    badStream(
+        imu,
+        fmt::format(
+            "the angular velocities are {:.3g} times those of the cameras, as if they were in degrees per second",
+            ratio),
+        "convert them to rad/s");
+  if (ratio < 0.7 || ratio > 1.4)
+    badStream(imu, fmt::format("the angular velocities are {:.3g} times those of the cameras", ratio),
+              "give rad/s, and the times of both sensors in one unit");
+  const double right = align(pairs, false).rms, mirrored = align(pairs, true).rms;
+  if (mirrored < right / 2)
+    badStream(
+        imu,
+        fmt::format("the angular velocities fit axes of the other hand: {:.2g} rad/s off instead of {:.2g}",
+                    mirrored, right),
+        "change the sign of one axis, or exchange two, in angular velocity and force");
+}
+
+/// The turn between two images as the gyroscope says, minus that of the camera.
+struct TurnBetweenImages {
+  ImuBetweenImages readings;
+  SO3 turn;
+
+  auto operator()(const auto& left2imu, const auto& gyro_bias, const auto& offset) const {
+    const auto moved =
+        readings.motion(offset, gyro_bias, std::decay_t<decltype(gyro_bias)>(vec3(0., 0., 0.)));
+    const auto seen = left2imu * turn * left2imu.inverse();
+    return std::decay_t<decltype(seen)>::log(moved.rotation.inverse() * seen);
+  }
+};
+
+/// Improves the start by all turns between images, robustly.
+void refine(const ImuStream& imu, const std::vector<RigAtImage>& images, RatesStart& start) {
+  constexpr double sigma = 0.005, reach = 1.345;  // rad: the noise of single poses, and Huber's scale
+  Estimator est;
+  const ImuSamples samples(imu.samples);
+  const auto left2imu = est.insertRV(start.left2imu, true, "left2imu");
+  const auto bias = est.insertRV(start.gyro_bias, true, "gyro_bias");
+  const auto offset = est.insertRV(mtk::Scalar<>(start.offset), true, "offset");
+  for (std::size_t i = 1; i < images.size(); ++i) {
+    const RigAtImage &a = images[i - 1], &b = images[i];
+    if (b.time - a.time > longest_pair || a.time + start.offset < samples.begin() ||
+        b.time + start.offset > samples.end())
+      continue;
+    est.insertMeasurement(
+        TurnBetweenImages{{samples, a.time, b.time, 0}, a.left2world.orient.inverse() * b.left2world.orient},
+        left2imu, bias, offset, StandardDeviation(sigma), Huber(reach));
+  }
+  Options options;
+  options.max_iterations = 50;
+  options.most_parameters = 0;
+  options.deviation_tolerance = 1e-3;
+  est.optimize(options);
+  start.left2imu = *left2imu;
+  start.gyro_bias = *bias;
+  start.offset = double(*offset);
+}
+
+}  // namespace
+
+RatesStart startByRates(const ImuStream& imu, const std::vector<RigAtImage>& images,
+                        const std::optional<double>& given) {
+  const std::vector<CameraRate> rates = cameraRates(images);
+  const std::string place = imu.file.empty() ? imu.name : imu.file;
+  if (rates.size() < 10)
+    throw DataError("slom.calibration.bad-stream",
+                    {.place = place,
+                     .fault = fmt::format("only {} pairs of images follow each other within {} s",
+                                          rates.size(), longest_pair),
+                     .remedy = "record images at 4 Hz or more"});
+  const GyroIntegral gyro(imu.samples);
+  std::vector<double> spacings;
+  for (const CameraRate& rate : rates) spacings.push_back(rate.to - rate.from);
+  const double spacing = medianOf(spacings), step = spacing / 2;
+  const double camera_length = rates.back().to - rates.front().from,
+               imu_length = imu.samples.back().time - imu.samples.front().time;
+  const double fraction = std::min(1., imu_length / camera_length) / 3;
+  const std::size_t fewest = std::max<std::size_t>(10, std::size_t(fraction * double(rates.size())));
+  const double first = given ? *given - 5 * spacing : imu.samples.front().time - rates.back().to;
+  const double last = given ? *given + 5 * spacing : imu.samples.back().time - rates.front().from;
+  Peak peak = bestOnGrid(first, last, step, fewest, rates, gyro);
+  if (peak.evidence < 0)
+    badStream(imu,
+              given ? "no image was taken while the IMU recorded, with this time offset"
+                    : "the recordings are too short to find the time offset",
+              "give images and readings of the same motion");
+  peak = bestOnGrid(peak.offset - step, peak.offset + step, step / 20, fewest, rates, gyro);
+  constexpr double least_correlation = 0.5;
+  if (peak.correlation < least_correlation)
+    throw DataError(
+        "slom.calibration.no-motion",
+        {.place = place,
+         .fault = fmt::format(
+             "the angular velocities and the turns of the cameras correlate by {:.2g} at best, so their clocks cannot be compared",
+             peak.correlation),
+         .remedy = "give images and readings of the same motion, with quick turns about all axes"});
+  const RatePairs pairs = pairsAt(peak.offset, rates, gyro);
+  requireUnitsAndHand(imu, pairs);
+  const Alignment aligned = align(pairs, false);
+  RatesStart start{peak.offset, SO3(aligned.R), aligned.bias, peak.correlation};
+  refine(imu, images, start);
+  return start;
+}
+
+mtk::S2<> upByForces(const ImuStream& imu, const std::vector<RigAtImage>& images, const RatesStart& start) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::size_t next = 0;
+  for (const RigAtImage& image : images) {
+    while (next + 1 < imu.samples.size() && imu.samples[next].time < image.time + start.offset) ++next;
+    sum += image.left2world.orient * (start.left2imu.inverse() * imu.samples[next].force);
+  }
+  return mtk::S2<>(vec3(sum));
+}
+
+std::vector<vec3> velocitiesOf(const std::vector<RigAtImage>& images) {
+  std::vector<vec3> velocities;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const RigAtImage &a = images[i == 0 ? 0 : i - 1], &b = images[std::min(i + 1, images.size() - 1)];
+    velocities.push_back(b.time > a.time ? vec3((b.left2world.pos - a.left2world.pos) / (b.time - a.time))
+                                         : vec3(0., 0., 0.));
+  }
+  return velocities;
+}
+
+}  // namespace slom::calibration
