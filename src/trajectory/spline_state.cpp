@@ -1,0 +1,78 @@
+#include "slom/trajectory/spline_state.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mtk/error.hpp"
+
+namespace slom::trajectory::detail {
+
+namespace {
+
+std::string text(double x) { return mtk::detail::classicText("%.9g", x); }
+
+int countUses(const Estimator& est, const AnyVarID& id) {
+  int count = 0;
+  est.table().forEachUse(est.table().indexOf(id), [&](const auto&, int) { ++count; });
+  return count;
+}
+
+}  // namespace
+
+MovingMeasurement::~MovingMeasurement() = default;
+
+SplineState::SplineState(Knots all_knots, std::string its_name, int its_order)
+    : knots(std::move(all_knots)), name(std::move(its_name)), order(its_order) {}
+SplineState::~SplineState() = default;
+
+std::int64_t SplineState::coveredSegment(double t) const {
+  const std::int64_t segment = knots.segmentAt(t), first = firstSegment(), last = lastSegment();
+  if (segment >= first && segment <= last) return segment;
+  if (last >= first && segment == last + 1 && t == knots[segment]) return last;
+  const std::string range = last < first ? "has no control points yet"
+                                         : "covers the times from " + text(knots[first]) + " to " + text(knots[last + 1]);
+  throw mtk::Error("slom.uncovered-time",
+                   "spline " + name + " " + range + ", and the time is " + text(t) + "; call extend(est, from, to) first",
+                   name);
+}
+
+std::int64_t SplineState::nextSegment(double t, std::int64_t present) const {
+  return std::clamp(knots.segmentAt(t), present - kMostAtOnce, present + kMostAtOnce);
+}
+
+bool SplineState::isOutside(double t, std::int64_t segment) const {
+  // Polynomials of two segments agree at their knot to order - 2 derivatives. Times that close to it do not move.
+  constexpr double kNear = 1e-6;
+  const double begin = knots[segment], end = knots[segment + 1], margin = kNear * (end - begin);
+  return !(t >= begin - margin && t <= end + margin);
+}
+
+void SplineState::grow(Estimator& est, bool at_front, bool tied) {
+  const std::int64_t i = at_front ? first_ - 1 : first_ + count();
+  add(est, i, at_front);
+  if (at_front) first_ = i;
+  if (tied && count() > order) ties_[i] = tie(est, at_front);
+}
+
+void SplineState::cover(Estimator& est, std::int64_t first_segment, std::int64_t last_segment, bool tied) {
+  if (count() == 0) first_ = first_segment;
+  while (lastSegment() < last_segment) grow(est, false, tied);
+  while (first_ > first_segment) grow(est, true, tied);
+}
+
+void SplineState::trim(Estimator& est) {
+  for (const bool at_front : {true, false}) {
+    while (count() > order) {
+      const std::int64_t i = at_front ? first_ : first_ + count() - 1;
+      const auto own = ties_.find(i);
+      const bool is_tied = own != ties_.end() && own->second.isValid();
+      if (countUses(est, end(at_front)) > (is_tied ? 1 : 0)) break;
+      if (is_tied) est.removeMeasurement(own->second);
+      if (own != ties_.end()) ties_.erase(own);
+      remove(est, at_front);
+      if (at_front) ++first_;
+    }
+  }
+}
+
+}  // namespace slom::trajectory::detail
