@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "slom/trajectory/measurement.hpp"
@@ -36,13 +37,18 @@ class Round {
         is_stopped = true;
         return FitControl::stop;
       }
-      // A step uphill is undone if the fit ends there.
-      return record.relative_decrease > 0 && anyIsLeft(splines) ? FitControl::stop : FitControl::go_on;
+      // If the fit ends, it returns to the best values. So it ends only at better ones than before.
+      const bool is_better = record.rss < least_rss_;
+      least_rss_ = std::min(least_rss_, record.rss);
+      return record.iteration > 0 && is_better && anyIsLeft(splines) ? FitControl::stop : FitControl::go_on;
     };
   }
 
   Options options;
   bool is_stopped = false;  ///< by the user
+
+ private:
+  double least_rss_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace

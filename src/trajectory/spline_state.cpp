@@ -51,7 +51,7 @@ void SplineState::grow(Estimator& est, bool at_front, bool tied) {
   const std::int64_t i = at_front ? first_ - 1 : first_ + count();
   add(est, i, at_front);
   if (at_front) first_ = i;
-  if (tied && count() > order) ties_[i] = tie(est, at_front);
+  if (tied && count() > order) ties_[i] = {tie(est, at_front), at_front ? i + 2 : i - 2};
 }
 
 void SplineState::cover(Estimator& est, std::int64_t first_segment, std::int64_t last_segment, bool tied) {
@@ -60,15 +60,26 @@ void SplineState::cover(Estimator& est, std::int64_t first_segment, std::int64_t
   while (first_ > first_segment) grow(est, true, tied);
 }
 
+std::vector<std::int64_t> SplineState::tiesOf(std::int64_t i) const {
+  std::vector<std::int64_t> result;
+  for (std::int64_t k = i - 2; k <= i + 2; ++k) {
+    const auto found = ties_.find(k);
+    if (found == ties_.end() || !found->second.id.isValid()) continue;
+    if (std::min(k, found->second.other_end) <= i && i <= std::max(k, found->second.other_end)) result.push_back(k);
+  }
+  return result;
+}
+
 void SplineState::trim(Estimator& est) {
   for (const bool at_front : {true, false}) {
     while (count() > order) {
       const std::int64_t i = at_front ? first_ : first_ + count() - 1;
-      const auto own = ties_.find(i);
-      const bool is_tied = own != ties_.end() && own->second.isValid();
-      if (countUses(est, end(at_front)) > (is_tied ? 1 : 0)) break;
-      if (is_tied) est.removeMeasurement(own->second);
-      if (own != ties_.end()) ties_.erase(own);
+      const std::vector<std::int64_t> ties = tiesOf(i);
+      if (countUses(est, end(at_front)) > static_cast<int>(ties.size())) break;
+      for (const std::int64_t k : ties) {
+        est.removeMeasurement(ties_[k].id);
+        ties_.erase(k);
+      }
       remove(est, at_front);
       if (at_front) ++first_;
     }

@@ -90,13 +90,15 @@ struct OnSegments {
 
 /// Puts the function on segments and keeps slom::numeric around it.
 template <class... Segments, class F>
-auto onSegments(const F& f, const Blending<Segments::order>&... blendings) {
-  return OnSegments<F, Segments...>{f, {blendings...}};
-}
-template <class... Segments, class F, class E>
-auto onSegments(const slom::detail::NumericFunction<F, E>& f, const Blending<Segments::order>&... blendings) {
-  using On = OnSegments<F, Segments...>;
-  return slom::detail::NumericFunction<On, E>{On{f.f, {blendings...}}, f.how};
+auto onSegments(const F& f, const std::tuple<Blending<Segments::order>...>& blendings) {
+  using On = OnSegments<typename slom::detail::Unwrapped<F>::type, Segments...>;
+  if constexpr (slom::detail::is_numeric<F>) {
+    return slom::detail::NumericFunction<On, decltype(f.how)>{On{f.f, blendings}, f.how};
+  } else if constexpr (slom::detail::is_vectorized<F>) {  // segments do not exist in packs
+    return On{f.f, blendings};
+  } else {
+    return On{f, blendings};
+  }
 }
 
 template <class T>
@@ -161,7 +163,7 @@ class MeasurementOnSegments final : public MovingMeasurement {
   AnyMeasID insert(Estimator& est, const Numbers& at) const {
     return [&]<std::size_t... K>(std::index_sequence<K...>) {
       const auto function =
-          onSegments<Segments...>(f_, Blending<Segments::order>(std::get<K>(places_).spline->knots, at[K])...);
+          onSegments<Segments...>(f_, {Blending<Segments::order>(std::get<K>(places_).spline->knots, at[K])...});
       const auto controls = std::tuple_cat(std::get<K>(places_).spline->of(at[K])...);
       return std::apply(
           [&](const auto&... argument) {

@@ -77,9 +77,16 @@ class SplineState {
   std::int64_t first_ = 0;
 
  private:
+  /// The measurement that the motion continues to a control point from the two before it.
+  struct Tie {
+    AnyMeasID id;
+    std::int64_t other_end = 0;
+  };
   void grow(Estimator& est, bool at_front, bool tied);
+  /// Returns the keys of the ties that depend on control point i.
+  std::vector<std::int64_t> tiesOf(std::int64_t i) const;
 
-  std::map<std::int64_t, AnyMeasID> ties_;  ///< by the control points that they were made for
+  std::map<std::int64_t, Tie> ties_;  ///< by the control points that they were made for
 };
 
 }  // namespace slom::trajectory::detail
