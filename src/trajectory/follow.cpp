@@ -66,7 +66,10 @@ int SplineBase::follow(Estimator& est) {
     measurement->place(est);
     ++moved;
   }
-  if (moved > 0) trim(est);
+  if (moved > 0) {
+    state_->trim(est);
+    state_->tieEnds(est, false);
+  }
   return moved;
 }
 

@@ -51,7 +51,29 @@ void SplineState::grow(Estimator& est, bool at_front, bool tied) {
   const std::int64_t i = at_front ? first_ - 1 : first_ + count();
   add(est, i, at_front);
   if (at_front) first_ = i;
-  if (tied && count() > order) ties_[i] = {tie(est, at_front), at_front ? i + 2 : i - 2};
+  if (tied) tieTo(est, i, at_front ? 1 : -1);
+}
+
+void SplineState::tieTo(Estimator& est, std::int64_t i, std::int64_t step) {
+  const auto found = ties_.find(i);
+  if (count() < 4 || (found != ties_.end() && found->second.id.isValid())) return;
+  ties_[i] = {tie(est, i, step), i + 2 * step};
+}
+
+void SplineState::tieEnds(Estimator& est, bool renew) {
+  const std::int64_t last = first_ + count() - 1;
+  for (std::int64_t k = 0; renew && k + 1 < order; ++k) {
+    for (const std::int64_t i : {first_ + k, last - k}) {
+      const auto found = ties_.find(i);
+      if (found == ties_.end()) continue;
+      if (found->second.id.isValid()) est.removeMeasurement(found->second.id);
+      ties_.erase(found);
+    }
+  }
+  for (std::int64_t k = 0; k + 1 < order; ++k) {
+    tieTo(est, first_ + k, 1);
+    tieTo(est, last - k, -1);
+  }
 }
 
 void SplineState::cover(Estimator& est, std::int64_t first_segment, std::int64_t last_segment, bool tied) {

@@ -122,6 +122,21 @@ TEST(Spline, NumericFunctionsStayNumeric) {
   EXPECT_EQ(check.groups[1].source, DerivativeSource::exact);
 }
 
+TEST(Spline, TiesItsEnds) {
+  Estimator est;
+  VectorSpline<1, 4> x(Knots(0, 1), "x");
+  x.extend(est, 0, 10, [](double t) { return mtk::vect<1>(t * t); });
+  x.tieEnds(est);
+  x.tieEnds(est);
+  EXPECT_EQ(est.getM(), 6);
+  EXPECT_NEAR(est.getRMS(), 1 / (3 * std::sqrt(11.0 / 13)), 1e-12);  // 11 changes by 2 of 13 control points
+  insertMeasurement(est, kValue, x.around(5.5), 5.5, measured(mtk::vect<1>(1.0)));
+  x.trim(est);
+  EXPECT_EQ(x.begin(), 5);
+  EXPECT_EQ(x.end(), 6);
+  EXPECT_EQ(est.getM(), 1);
+}
+
 /// A measurement of x at stamp + offset.
 struct Moved : ::testing::Test {
   Estimator est;
@@ -146,7 +161,7 @@ TEST_F(Moved, MeasurementsFollowTheirTimes) {
   EXPECT_EQ(x.begin(), 5);  // trimmed to the only segment with a measurement
   EXPECT_EQ(x.end(), 6);
   EXPECT_NEAR(est.residual(placed.id())[0] - at_start, 5.75 * 5.75 - 2.5 * 2.5, 1e-12);
-  EXPECT_EQ(est.getM(), 1);
+  EXPECT_EQ(est.getM(), 1 + 4);  // and the ends are tied
 }
 
 TEST_F(Moved, SplinesGrowAtBothEnds) {

@@ -81,10 +81,9 @@ class ControlPoints final : public SplineState {
   }
   AnyVarID end(bool at_front) const override { return at_front ? ids.front() : ids.back(); }
 
-  AnyMeasID tie(Estimator& est, bool at_front) const override {
-    const std::int64_t step = at_front ? 1 : -1, i = at_front ? first_ : first_ + count() - 1;
+  AnyMeasID tie(Estimator& est, std::int64_t i, std::int64_t step) const override {
     return est.insertMeasurement(continuation(i, step), at(i), at(i + step), at(i + 2 * step),
-                                 StandardDeviation(changes(at_front)), named(name + " continues"));
+                                 StandardDeviation(changes()), named(name + " continues"));
   }
 
   const VarID<Control>& at(std::int64_t i) const { return ids[static_cast<std::size_t>(i - first_)]; }
@@ -101,15 +100,14 @@ class ControlPoints final : public SplineState {
     const std::int64_t step = at_front ? 1 : -1;
     return continuation(i, step).continued(*at(i + step), *at(i + 2 * step));
   }
-  /// Returns 10 times the RMS change of the motion between the control points, without the outermost, in each component.
-  mtk::tangent_t<Control> changes(bool without_front) const {
-    constexpr double kFactor = 10;
+  /// Returns 3 times the RMS change of the motion between the control points, in each component.
+  mtk::tangent_t<Control> changes() const {
+    constexpr double kFactor = 3;
     using Tangent = mtk::tangent_t<Control>;
     Tangent squares = Tangent::Zero(), steps = Tangent::Zero();
-    const std::int64_t begin = first_ + (without_front ? 1 : 0), last = begin + count() - 2;
-    for (std::int64_t i = begin; i <= last; ++i) {
-      if (i > begin) steps += mtk::difference(*at(i), *at(i - 1)).cwiseAbs2();
-      if (i > begin + 1) squares += continuation(i, -1)(*at(i), *at(i - 1), *at(i - 2)).cwiseAbs2();
+    for (std::int64_t i = first_; i < first_ + count(); ++i) {
+      if (i > first_) steps += mtk::difference(*at(i), *at(i - 1)).cwiseAbs2();
+      if (i > first_ + 1) squares += continuation(i, -1)(*at(i), *at(i - 1), *at(i - 2)).cwiseAbs2();
     }
     const double all = steps.maxCoeff();
     for (Eigen::Index k = 0; k < squares.size(); ++k) {
@@ -143,6 +141,12 @@ class SplineBase {
   double end() const { return knots()[state_->lastSegment() + 1]; }
   /// Removes the control points at both ends on which no measurement depends. Keeps those of at least one segment.
   void trim(Estimator& est) { state_->trim(est); }
+  /// Gives the N - 1 outermost control points at each end a weak measurement that the motion continues: the change of the
+  /// motion is 0 with 3 times the RMS change between all control points as standard deviation. Data determine these
+  /// control points less than the others, for N = 6 by a factor of up to 120. A second call renews the measurements with
+  /// the present values. `follow` does so for splines whose measurements move. Does nothing for less than 4 control
+  /// points.
+  void tieEnds(Estimator& est) { state_->tieEnds(est, true); }
   /// Returns whether a measurement that was inserted with this spline as its first has a time outside its segment.
   bool isLeft() const;
   /// Inserts such measurements again, on the segments of their times, and extends splines where needed. A measurement

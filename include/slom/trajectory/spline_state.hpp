@@ -59,6 +59,9 @@ class SplineState {
   void cover(Estimator& est, std::int64_t first_segment, std::int64_t last_segment, bool tied);
   /// Removes the control points at both ends on which no measurement of the user depends. Keeps those of one segment.
   void trim(Estimator& est);
+  /// Gives the order - 1 outermost control points at each end such a weak measurement if they have none. A segment with
+  /// few measurements near its inner knot hardly determines its outermost control point. `renew`: replaces old ones.
+  void tieEnds(Estimator& est, bool renew);
 
   /// A spline grows by at most this number of segments at a time, so a fit that diverges does not fill the memory.
   static constexpr std::int64_t kMostAtOnce = 256;
@@ -66,9 +69,9 @@ class SplineState {
  protected:
   /// Adds control point i at the front or at the back.
   virtual void add(Estimator& est, std::int64_t i, bool at_front) = 0;
-  /// Inserts the measurement that the motion continues to the first or last control point, with the standard deviations
-  /// of the changes of the motion between the others.
-  virtual AnyMeasID tie(Estimator& est, bool at_front) const = 0;
+  /// Inserts the measurement that the motion continues to control point i from i + step and i + 2 step. Its standard
+  /// deviations follow from the changes of the motion between all control points.
+  virtual AnyMeasID tie(Estimator& est, std::int64_t i, std::int64_t step) const = 0;
   /// Removes the first or last control point.
   virtual void remove(Estimator& est, bool at_front) = 0;
   /// Returns the first or last control point, which must exist.
@@ -83,6 +86,7 @@ class SplineState {
     std::int64_t other_end = 0;
   };
   void grow(Estimator& est, bool at_front, bool tied);
+  void tieTo(Estimator& est, std::int64_t i, std::int64_t step);
   /// Returns the keys of the ties that depend on control point i.
   std::vector<std::int64_t> tiesOf(std::int64_t i) const;
 
