@@ -12,7 +12,8 @@ namespace {
 constexpr int kMostRounds = 1000;
 
 bool anyIsLeft(const std::vector<SplineBase>& splines) {
-  return std::any_of(splines.begin(), splines.end(), [](const SplineBase& spline) { return spline.isLeft(); });
+  return std::any_of(splines.begin(), splines.end(),
+                     [](const SplineBase& spline) { return spline.isLeft(); });
 }
 int followAll(Estimator& est, std::vector<SplineBase>& splines) {
   int moved = 0;
@@ -54,8 +55,9 @@ class Round {
 }  // namespace
 
 bool SplineBase::isLeft() const {
-  return std::any_of(state_->moving.begin(), state_->moving.end(),
-                     [](const auto& measurement) { return measurement->id.isValid() && measurement->isAway(); });
+  return std::any_of(state_->moving.begin(), state_->moving.end(), [](const auto& measurement) {
+    return measurement->id.isValid() && measurement->isAway();
+  });
 }
 
 int SplineBase::follow(Estimator& est) {
@@ -96,7 +98,8 @@ Summary optimize(Estimator& est, std::initializer_list<SplineBase> splines, cons
   summary.seconds = seconds;
   if (moved > 0) {
     summary.converged = false;
-    summary.message += "; " + std::to_string(moved) + " measurements have just moved to another segment of a spline";
+    summary.message +=
+        "; " + std::to_string(moved) + " measurements have just moved to another segment of a spline";
   }
   return summary;
 }

@@ -16,7 +16,8 @@ std::string text(double x) { return mtk::detail::classicText("%.9g", x); }
 
 Knots::Knots(double start, double spacing) : start_(start), spacing_(spacing) {
   if (!std::isfinite(start)) {
-    throw mtk::Error("slom.bad-knots", "the first knot is at " + text(start) + "; pass a finite time", "start");
+    throw mtk::Error("slom.bad-knots", "the first knot is at " + text(start) + "; pass a finite time",
+                     "start");
   }
   if (!(std::isfinite(spacing) && spacing > 0)) {
     throw mtk::Error("slom.bad-knots",
@@ -35,7 +36,8 @@ Knots::Knots(std::vector<double> times) : times_(std::move(times)) {
   for (std::size_t i = 0; i < times_.size(); ++i) {
     if (!std::isfinite(times_[i])) {
       throw mtk::Error("slom.bad-knots",
-                       "knot " + std::to_string(i) + " is at " + text(times_[i]) + "; pass finite times", "times");
+                       "knot " + std::to_string(i) + " is at " + text(times_[i]) + "; pass finite times",
+                       "times");
     }
     if (i > 0 && !(times_[i - 1] < times_[i])) {
       throw mtk::Error("slom.bad-knots",
@@ -51,7 +53,8 @@ double Knots::operator[](std::int64_t i) const {
   if (times_.empty()) return start_ + static_cast<double>(i) * spacing_;
   const auto last = static_cast<std::int64_t>(times_.size()) - 1;
   if (i < 0) return times_.front() + static_cast<double>(i) * (times_[1] - times_[0]);
-  if (i > last) return times_.back() + static_cast<double>(i - last) * (times_.back() - times_[times_.size() - 2]);
+  if (i > last)
+    return times_.back() + static_cast<double>(i - last) * (times_.back() - times_[times_.size() - 2]);
   return times_[static_cast<std::size_t>(i)];
 }
 
@@ -69,7 +72,8 @@ std::int64_t Knots::uniformSegment(double t, double start, double spacing) const
 
 std::int64_t Knots::segmentAt(double t) const {
   if (!std::isfinite(t)) {
-    throw mtk::Error("slom.bad-time", "the time on a spline is " + text(t) + "; pass a finite number", "time");
+    throw mtk::Error("slom.bad-time", "the time on a spline is " + text(t) + "; pass a finite number",
+                     "time");
   }
   std::int64_t i = 0;
   if (times_.empty()) {

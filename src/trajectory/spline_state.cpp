@@ -29,11 +29,13 @@ std::int64_t SplineState::coveredSegment(double t) const {
   const std::int64_t segment = knots.segmentAt(t), first = firstSegment(), last = lastSegment();
   if (segment >= first && segment <= last) return segment;
   if (last >= first && segment == last + 1 && t == knots[segment]) return last;
-  const std::string range = last < first ? "has no control points yet"
-                                         : "covers the times from " + text(knots[first]) + " to " + text(knots[last + 1]);
-  throw mtk::Error("slom.uncovered-time",
-                   "spline " + name + " " + range + ", and the time is " + text(t) + "; call extend(est, from, to) first",
-                   name);
+  const std::string range =
+      last < first ? "has no control points yet"
+                   : "covers the times from " + text(knots[first]) + " to " + text(knots[last + 1]);
+  throw mtk::Error(
+      "slom.uncovered-time",
+      "spline " + name + " " + range + ", and the time is " + text(t) + "; call extend(est, from, to) first",
+      name);
 }
 
 std::int64_t SplineState::nextSegment(double t, std::int64_t present) const {
@@ -87,7 +89,8 @@ std::vector<std::int64_t> SplineState::tiesOf(std::int64_t i) const {
   for (std::int64_t k = i - 2; k <= i + 2; ++k) {
     const auto found = ties_.find(k);
     if (found == ties_.end() || !found->second.id.isValid()) continue;
-    if (std::min(k, found->second.other_end) <= i && i <= std::max(k, found->second.other_end)) result.push_back(k);
+    if (std::min(k, found->second.other_end) <= i && i <= std::max(k, found->second.other_end))
+      result.push_back(k);
   }
   return result;
 }

@@ -38,8 +38,8 @@ auto outputs(const Segment& segment, const Time& t, const Reference& reference) 
 
 /// The outputs over dual numbers whose columns are the components of the control points, then the time.
 template <class Segment>
-auto dualOutputs(const Knots& knots, std::int64_t i, const std::vector<mtk::trafo<mtk::SO3<>>>& controls, double t,
-                 const mtk::SO3<>& reference) {
+auto dualOutputs(const Knots& knots, std::int64_t i, const std::vector<mtk::trafo<mtk::SO3<>>>& controls,
+                 double t, const mtk::SO3<>& reference) {
   constexpr int columns = 6 * Segment::order + 1;
   using D = mtk::Dual<double, columns>;
   using Over = typename Segment::template Over<D>;
@@ -54,8 +54,8 @@ auto dualOutputs(const Knots& knots, std::int64_t i, const std::vector<mtk::traf
 }
 
 template <class Segment>
-void expectExactDerivatives(const Knots& knots, std::int64_t i, const std::vector<mtk::trafo<mtk::SO3<>>>& controls,
-                            double t, double tolerance) {
+void expectExactDerivatives(const Knots& knots, std::int64_t i,
+                            const std::vector<mtk::trafo<mtk::SO3<>>>& controls, double t, double tolerance) {
   const mtk::SO3<> reference = testing::segmentOf<Segment>(knots, i, controls).orientationAt(t);
   const auto duals = dualOutputs<Segment>(knots, i, controls, t, reference);
   const auto precise = testing::precise(reference);
@@ -69,7 +69,8 @@ void expectExactDerivatives(const Knots& knots, std::int64_t i, const std::vecto
       if (c / 6 == j) mtk::boxplus(control, mtk::vect<6, Long>(d * mtk::vect<6, Long>::Unit(c % 6)));
     }
     const bool is_time = c == 6 * Segment::order;
-    return outputs(Over(trajectory::Blending<Segment::order>(knots, i), own), is_time ? t + d : Long(t), precise);
+    return outputs(Over(trajectory::Blending<Segment::order>(knots, i), own), is_time ? t + d : Long(t),
+                   precise);
   };
   for (int c = 0; c <= 6 * Segment::order; ++c) {
     const auto slope = testing::derivativeOf([&](Long d) { return moved(c, d); }, 0);
@@ -97,7 +98,8 @@ TEST(Segments, HaveExactDerivatives) {
 
 TEST(Segments, HaveExactDerivativesForEqualControlPoints) {
   const Knots knots(0, 1);
-  const std::vector<mtk::trafo<mtk::SO3<>>> poses(4, {mtk::vect<3>(1, 2, 3), mtk::SO3<>::exp(mtk::vect<3>(1, 0, -1))});
+  const std::vector<mtk::trafo<mtk::SO3<>>> poses(
+      4, {mtk::vect<3>(1, 2, 3), mtk::SO3<>::exp(mtk::vect<3>(1, 0, -1))});
   expectExactDerivatives<PoseSegment<4>>(knots, 0, poses, 0.4, 1e-8);
   expectExactDerivatives<ScrewSegment<4>>(knots, 0, poses, 0.4, 1e-8);
 }

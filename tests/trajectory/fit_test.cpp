@@ -17,7 +17,9 @@ using trajectory::Knots;
 
 /// A motion with known rates: exp(a u) exp(b v) with constant unit vectors, and a sum of sines.
 struct Motion {
-  static Vec3 position(double t) { return {2 * std::cos(0.7 * t), std::sin(1.1 * t), 0.5 * std::sin(1.6 * t)}; }
+  static Vec3 position(double t) {
+    return {2 * std::cos(0.7 * t), std::sin(1.1 * t), 0.5 * std::sin(1.6 * t)};
+  }
   static Vec3 acceleration(double t) {
     return {-0.98 * std::cos(0.7 * t), -1.21 * std::sin(1.1 * t), -1.28 * std::sin(1.6 * t)};
   }
@@ -46,7 +48,8 @@ struct Fit {
 
   Fit(const Knots& knots, unsigned seed) : pose(knots, "pose"), random(seed) {
     pose.extend(est, 0, kDuration, [&](double t) {  // roughly
-      return Pose(Vec3(Motion::position(t) + noise(0.02)), Motion::orientation(t) * mtk::SO3<>::exp(noise(0.02)));
+      return Pose(Vec3(Motion::position(t) + noise(0.02)),
+                  Motion::orientation(t) * mtk::SO3<>::exp(noise(0.02)));
     });
   }
   Vec3 noise(double sigma) { return testing::randomVector(random, sigma); }
@@ -57,11 +60,12 @@ struct Fit {
       const double t = 0.01 + (kDuration - 0.02) * i / 200;
       const Pose datum(Vec3(Motion::position(t) + noise(kPoseSigma)),
                        Motion::orientation(t) * mtk::SO3<>::exp(noise(kPoseSigma)));
-      insertMeasurement(est, seen, pose.around(t), t, measured(datum), StandardDeviation(kPoseSigma), named("camera"));
+      insertMeasurement(est, seen, pose.around(t), t, measured(datum), StandardDeviation(kPoseSigma),
+                        named("camera"));
     }
   }
   /// Readings whose stamps are `truth` too small, from the first stamp on.
-  void insertReadings(double truth) {
+  void insertReadings(double truth, double first = 0.005, double step = 0.01) {
     offset = est.insertRV(0.0, "offset");
     bias.extend(est, 0, kDuration);
     const auto gyro = [](const auto& p, const auto& b, const auto& by, double stamp) {
@@ -70,7 +74,7 @@ struct Fit {
     const auto accelerometer = [](const auto& p, const auto& by, double stamp) {
       return p.bodyAccelerationAt(stamp + by) + p.orientationAt(stamp + by).inverse() * kGravity;
     };
-    for (double t = 0.005; t <= kDuration; t += 0.01) {
+    for (double t = first; t <= kDuration; t += step) {
       const double at = t + truth;
       const Vec3 w = Motion::angularVelocity(at) + kBias + noise(kGyroSigma);
       insertMeasurement(est, gyro, pose.around(t, offset), bias.around(t, offset), offset, t, measured(w),
@@ -128,13 +132,11 @@ TEST(TrajectoryFit, OnSE3AndWithNonUniformKnots) {
 }
 
 TEST(TrajectoryFit, DerivativesAgreeWithDifferences) {
-  Fit<trajectory::PoseSpline<5>> fit(Knots(0, 0.5), 3);
-  fit.insertPoses();
-  fit.est.optimize();
-  fit.insertReadings(0.1);
+  Fit<trajectory::PoseSpline<5>> fit(Knots(0, 0.2), 3);
+  fit.insertReadings(0.1, 0.1, 0.2);  // in the middle of segments, where no weight is nearly 0
   fit.est.reinitRV(fit.offset, 0.0123);
   const DerivativeCheck check = checkDerivatives(fit.est);
-  ASSERT_EQ(check.groups.size(), 3u);
+  ASSERT_EQ(check.groups.size(), 2u);
   for (const GroupDerivativeCheck& group : check.groups) EXPECT_EQ(group.source, DerivativeSource::exact);
   EXPECT_TRUE(check.ok()) << check;
 }
@@ -157,7 +159,9 @@ TEST(TrajectoryFit, StopsWhenTheUserSaysSo) {
   fit.insertReadings(0.37);
   int calls = 0;
   Options options;
-  options.observer = [&](const IterationRecord&) { return ++calls == 3 ? FitControl::stop : FitControl::go_on; };
+  options.observer = [&](const IterationRecord&) {
+    return ++calls == 3 ? FitControl::stop : FitControl::go_on;
+  };
   const Summary stopped = trajectory::optimize(fit.est, {fit.pose}, options);
   EXPECT_FALSE(stopped.converged);
   EXPECT_EQ(calls, 3);

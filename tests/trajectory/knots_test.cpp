@@ -66,7 +66,8 @@ TEST(Knots, OfAControlPoint) {
 
 TEST(Knots, RefuseBadTimes) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(messageOf([&] { Knots(nan, 1); }), "[slom.bad-knots] the first knot is at nan; pass a finite time");
+  EXPECT_EQ(messageOf([&] { Knots(nan, 1); }),
+            "[slom.bad-knots] the first knot is at nan; pass a finite time");
   EXPECT_EQ(messageOf([&] { Knots(0, 0); }),
             "[slom.bad-knots] the spacing of the knots is 0; pass a positive and finite number");
   EXPECT_EQ(messageOf([&] { Knots(0, inf); }),
@@ -74,13 +75,16 @@ TEST(Knots, RefuseBadTimes) {
   EXPECT_EQ(messageOf([&] { Knots({1}); }),
             "[slom.bad-knots] the number of knots is 1; pass at least 2, or a start and a spacing");
   EXPECT_EQ(messageOf([&] { Knots({1, 2, nan}); }), "[slom.bad-knots] knot 2 is at nan; pass finite times");
-  EXPECT_EQ(messageOf([&] { Knots({1, 2, 2}); }),
+  EXPECT_EQ(messageOf([&] {
+              Knots({1, 2, 2});
+            }),
             "[slom.bad-knots] knot 2 is at 2, not after knot 1 at 2; sort the knots and remove equal ones");
   EXPECT_EQ(messageOf([&] { Knots(0, 1).segmentAt(nan); }),
             "[slom.bad-time] the time on a spline is nan; pass a finite number");
-  EXPECT_EQ(messageOf([&] { Knots(0, 1e-9).segmentAt(1e12); }),
-            "[slom.bad-time] the time 1e+12 is more than 2^52 knots away from the knot at 0; pass a time near the knots, "
-            "in their unit");
+  EXPECT_EQ(
+      messageOf([&] { Knots(0, 1e-9).segmentAt(1e12); }),
+      "[slom.bad-time] the time 1e+12 is more than 2^52 knots away from the knot at 0; pass a time near the knots, "
+      "in their unit");
 }
 
 TEST(Blending, IsTheSumOfTheBasisFunctions) {
@@ -131,7 +135,8 @@ TEST(Blending, HasTheDerivativesOfItsWeights) {
       for (std::size_t j = 0; j < rate.size(); ++j) {
         const auto number = [&](Long x) { return mtk::vect<1, Long>(blending.at(x)[j]); };
         const auto slope = [&](Long x) { return mtk::vect<1, Long>(blending.template at<1>(x)[j]); };
-        EXPECT_NEAR(double(rate[j]), double(testing::derivativeOf(number, t)[0]), 1e-9 * (1 + std::abs(double(rate[j]))));
+        EXPECT_NEAR(double(rate[j]), double(testing::derivativeOf(number, t)[0]),
+                    1e-9 * (1 + std::abs(double(rate[j]))));
         EXPECT_NEAR(double(curvature[j]), double(testing::derivativeOf(slope, t)[0]),
                     1e-9 * (1 + std::abs(double(curvature[j]))));
         EXPECT_NEAR(dual[j].value(), double(rate[j]), 1e-12 * (1 + std::abs(double(rate[j]))));

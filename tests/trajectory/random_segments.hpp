@@ -66,7 +66,8 @@ inline mtk::trafo<mtk::SO3<Long>> precise(const mtk::trafo<mtk::SO3<>>& T) {
 
 /// Segment i of the spline with these control points, the first of which is control point 0.
 template <class Segment>
-Segment segmentOf(const trajectory::Knots& knots, std::int64_t i, const std::vector<typename Segment::Control>& controls) {
+Segment segmentOf(const trajectory::Knots& knots, std::int64_t i,
+                  const std::vector<typename Segment::Control>& controls) {
   typename Segment::Controls own;
   for (std::size_t j = 0; j < own.size(); ++j) own[j] = controls[static_cast<std::size_t>(i) + j];
   return Segment(trajectory::Blending<Segment::order>(knots, i), own);
@@ -84,7 +85,9 @@ auto preciseSegment(const trajectory::Knots& knots, std::int64_t i,
 /// The derivative by t of a curve, right [-] left over 2 h, extrapolated to errors of order h^4.
 template <class Curve>
 auto derivativeOf(const Curve& curve, Long t) {
-  const auto difference = [&](Long h) { return (mtk::difference(curve(t + h), curve(t - h)) / (2 * h)).eval(); };
+  const auto difference = [&](Long h) {
+    return (mtk::difference(curve(t + h), curve(t - h)) / (2 * h)).eval();
+  };
   constexpr Long h = 2e-5L;
   return ((4 * difference(h) - difference(2 * h)) / 3).eval();
 }

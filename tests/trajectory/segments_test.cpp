@@ -47,7 +47,8 @@ void expectRatesOfAPose(const Segment& segment, double t, double tolerance) {
   expectNear(v(t), derivativeOf(p, t), tolerance, "velocity");
   expectNear(segment.accelerationAt(Long(t)), derivativeOf(v, t), tolerance, "acceleration");
   expectNear(segment.bodyVelocityAt(Long(t)), back * v(t), tolerance, "body velocity");
-  expectNear(segment.bodyAccelerationAt(Long(t)), back * segment.accelerationAt(Long(t)), tolerance, "body acceleration");
+  expectNear(segment.bodyAccelerationAt(Long(t)), back * segment.accelerationAt(Long(t)), tolerance,
+             "body acceleration");
 }
 
 TEST(Segments, HaveTheRatesOfTheirCurves) {
@@ -98,7 +99,8 @@ void expectContinuity(const Knots& knots, const std::vector<Control>& controls) 
   if (N >= 3) expectNear(a.velocityAt(t), b.velocityAt(t), 1e-11, "velocity");
   if (N >= 3) expectNear(a.angularVelocityAt(t), b.angularVelocityAt(t), 1e-11, "angular velocity");
   if (N >= 4) expectNear(a.accelerationAt(t), b.accelerationAt(t), 1e-10, "acceleration");
-  if (N >= 4) expectNear(a.angularAccelerationAt(t), b.angularAccelerationAt(t), 1e-10, "angular acceleration");
+  if (N >= 4)
+    expectNear(a.angularAccelerationAt(t), b.angularAccelerationAt(t), 1e-10, "angular acceleration");
   const double jump = (a.accelerationAt(t) - b.accelerationAt(t)).norm();
   if (N == 3) {
     EXPECT_GT(jump, 1e-3);
@@ -144,7 +146,8 @@ TEST(VectorSegment, ReproducesPolynomials) {
         const double x = t - roots[k];
         EXPECT_NEAR(segment.at(t)[k], std::pow(x, N - 1), scale);
         EXPECT_NEAR(segment.velocityAt(t)[k], (N - 1) * std::pow(x, N - 2), 10 * scale);
-        EXPECT_NEAR(segment.accelerationAt(t)[k], N > 2 ? (N - 1) * (N - 2) * std::pow(x, N - 3) : 0, 100 * scale);
+        EXPECT_NEAR(segment.accelerationAt(t)[k], N > 2 ? (N - 1) * (N - 2) * std::pow(x, N - 3) : 0,
+                    100 * scale);
       }
     });
   }
@@ -167,7 +170,8 @@ TEST(Segments, ReproduceMotionsOfConstantRate) {
       expectNear(screw.bodyVelocityAt(t), twist.linear, 2e-12, "velocity");
       expectNear(screw.angularVelocityAt(t), twist.angular, 2e-12, "angular velocity");
       expectNear(screw.angularAccelerationAt(t), mtk::vect<3>(), 2e-11, "angular acceleration");
-      expectNear(mtk::difference(pose.orientationAt(t), truth(t).orient), mtk::vect<3>(), 2e-12, "orientation");
+      expectNear(mtk::difference(pose.orientationAt(t), truth(t).orient), mtk::vect<3>(), 2e-12,
+                 "orientation");
       expectNear(pose.angularVelocityAt(t), twist.angular, 2e-12, "angular velocity");
       expectNear(pose.angularAccelerationAt(t), mtk::vect<3>(), 2e-11, "angular acceleration");
     });
@@ -176,10 +180,12 @@ TEST(Segments, ReproduceMotionsOfConstantRate) {
 
 TEST(Segments, AreFiniteForStepsOfZeroAndNearlyPi) {
   const Knots knots(0, 1);
-  for (const double angle : {0.0, 1e-300, 1e-160, 1e-20, 1e-8, 0.4999, 0.5001, 3.0, M_PI - 1e-6, M_PI - 1e-12}) {
+  for (const double angle :
+       {0.0, 1e-300, 1e-160, 1e-20, 1e-8, 0.4999, 0.5001, 3.0, M_PI - 1e-6, M_PI - 1e-12}) {
     const mtk::vect<3> step = angle * mtk::vect<3>(0.6, 0, 0.8);
     std::vector<mtk::trafo<mtk::SO3<>>> controls;
-    for (int i = 0; i < 4; ++i) controls.emplace_back(mtk::vect<3>(i, 0, 1), mtk::SO3<>::exp(double(i) * step));
+    for (int i = 0; i < 4; ++i)
+      controls.emplace_back(mtk::vect<3>(i, 0, 1), mtk::SO3<>::exp(double(i) * step));
     const auto pose = segmentOf<PoseSegment<4>>(knots, 0, controls);
     const auto screw = segmentOf<ScrewSegment<4>>(knots, 0, controls);
     expectNear(pose.angularVelocityAt(0.3), step, 1e-9, "angular velocity");

@@ -59,15 +59,18 @@ TEST(Spline, ContinuesTheMotion) {
 TEST(Spline, RefusesTimesThatItDoesNotCover) {
   Estimator est;
   VectorSpline<1, 4> x(Knots(0, 1), "height");
-  EXPECT_EQ(messageOf([&] { x.segmentAt(0.5); }),
-            "[slom.uncovered-time] spline height has no control points yet, and the time is 0.5; call extend(est, from, to) "
-            "first");
+  EXPECT_EQ(
+      messageOf([&] { x.segmentAt(0.5); }),
+      "[slom.uncovered-time] spline height has no control points yet, and the time is 0.5; call extend(est, from, to) "
+      "first");
   x.extend(est, 0, 10);
-  EXPECT_EQ(messageOf([&] { insertMeasurement(est, kValue, x.around(11.5), 11.5, measured(mtk::vect<1>(1.0))); }),
-            "[slom.uncovered-time] spline height covers the times from 0 to 10, and the time is 11.5; call extend(est, "
-            "from, to) first");
+  EXPECT_EQ(
+      messageOf([&] { insertMeasurement(est, kValue, x.around(11.5), 11.5, measured(mtk::vect<1>(1.0))); }),
+      "[slom.uncovered-time] spline height covers the times from 0 to 10, and the time is 11.5; call extend(est, "
+      "from, to) first");
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(messageOf([&] { x.segmentAt(nan); }), "[slom.bad-time] the time on a spline is nan; pass a finite number");
+  EXPECT_EQ(messageOf([&] { x.segmentAt(nan); }),
+            "[slom.bad-time] the time on a spline is nan; pass a finite number");
   EXPECT_EQ(messageOf([&] { x.extend(est, 0, nan); }),
             "[slom.bad-time] the time on a spline is nan; pass a finite number");
   EXPECT_EQ(est.getM(), 0);
@@ -77,10 +80,13 @@ TEST(Spline, FitsSamplesExactly) {
   Estimator est;
   RotationSpline<4> R(Knots(0, 0.5), "R");
   R.extend(est, 0, 5);
-  const auto truth = [](double t) { return mtk::SO3<>::exp(mtk::vect<3>(std::sin(t), 0.3 * t, std::cos(t))); };
+  const auto truth = [](double t) {
+    return mtk::SO3<>::exp(mtk::vect<3>(std::sin(t), 0.3 * t, std::cos(t)));
+  };
   const auto orientation = [](const auto& segment, double t) { return segment.orientationAt(t); };
   for (double t = 0; t <= 5; t += 0.1) {
-    insertMeasurement(est, orientation, R.around(t), t, measured(truth(t)), StandardDeviation(1e-3), named("attitude"));
+    insertMeasurement(est, orientation, R.around(t), t, measured(truth(t)), StandardDeviation(1e-3),
+                      named("attitude"));
   }
   const Summary summary = est.optimize();
   EXPECT_TRUE(summary.converged);
@@ -100,8 +106,9 @@ TEST(Spline, MeasurementsMayHaveSeveralSplines) {
     return scale * a.at(t) + b.at(t);
   };
   const auto scale = est.insertRV(2.0, "scale");
-  const auto placed = insertMeasurement(est, biased, x.around(3.5), bias.around(3.5), scale, 3.5,
-                                        measured(mtk::vect<2>(1, 2)), StandardDeviation(0.1), Huber(3), group(7));
+  const auto placed =
+      insertMeasurement(est, biased, x.around(3.5), bias.around(3.5), scale, 3.5,
+                        measured(mtk::vect<2>(1, 2)), StandardDeviation(0.1), Huber(3), group(7));
   EXPECT_EQ(est.residual(placed.id()), Eigen::Vector2d(-1, -2));
   EXPECT_EQ(est.getRSS(x.controls()[2]), 0);
   EXPECT_GT(est.getRSS(x.controls()[3]), 0);
@@ -202,9 +209,11 @@ TEST_F(Moved, RemovedMeasurementsStayRemoved) {
 TEST_F(Moved, TimesAreAnyFunctionOfVariables) {
   x.extend(est, 0, 10, [](double t) { return mtk::vect<1>(t); });
   const auto delay = est.insertRV(0.01, "line delay");
-  const auto f = [](const auto& segment, const auto& d, double t, int row) { return segment.at(t + row * d); };
-  const auto placed = insertMeasurement(est, f, x.around([delay] { return 1.0 + 100 * *delay; }), delay, 1.0, 100,
-                                        measured(mtk::vect<1>(0.0)));
+  const auto f = [](const auto& segment, const auto& d, double t, int row) {
+    return segment.at(t + row * d);
+  };
+  const auto placed = insertMeasurement(est, f, x.around([delay] { return 1.0 + 100 * *delay; }), delay, 1.0,
+                                        100, measured(mtk::vect<1>(0.0)));
   EXPECT_NEAR(est.residual(placed.id())[0], 2, 1e-14);
   est.reinitRV(delay, 0.08);
   EXPECT_EQ(x.follow(est), 1);

@@ -46,11 +46,13 @@ constexpr std::array<Polynomial<N>, std::size_t{N - 1}> cumulativeWeights(
       const auto first = static_cast<std::size_t>(N - 1 - order + r), m = static_cast<std::size_t>(order);
       for (std::size_t k = 0; k < std::size_t{N}; ++k) next[static_cast<std::size_t>(r)][k] = 0;
       if (r > 0) {  // rises from the first knot of the support on
-        const auto rising = timesLinear<N>(basis[static_cast<std::size_t>(r - 1)], x[first], x[first + m - 1] - x[first]);
+        const auto rising =
+            timesLinear<N>(basis[static_cast<std::size_t>(r - 1)], x[first], x[first + m - 1] - x[first]);
         for (std::size_t k = 0; k < std::size_t{N}; ++k) next[static_cast<std::size_t>(r)][k] += rising[k];
       }
       if (r + 1 < order) {  // falls until its last knot
-        const auto falling = timesLinear<N>(basis[static_cast<std::size_t>(r)], x[first + m], x[first + 1] - x[first + m]);
+        const auto falling =
+            timesLinear<N>(basis[static_cast<std::size_t>(r)], x[first + m], x[first + 1] - x[first + m]);
         for (std::size_t k = 0; k < std::size_t{N}; ++k) next[static_cast<std::size_t>(r)][k] += falling[k];
       }
     }

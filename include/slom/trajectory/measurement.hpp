@@ -27,7 +27,8 @@ namespace slom::trajectory {
 class Placed {
  public:
   /// Refers to a measurement. Used by the library.
-  explicit Placed(std::shared_ptr<const detail::MovingMeasurement> measurement) : measurement_(std::move(measurement)) {}
+  explicit Placed(std::shared_ptr<const detail::MovingMeasurement> measurement)
+      : measurement_(std::move(measurement)) {}
   /// Returns the present handle, for residuals and removal: `est.removeMeasurement(placed.id())`.
   const AnyMeasID& id() const { return measurement_->id; }
 
@@ -62,7 +63,8 @@ struct OnSegments {
   struct Passed;
   template <class Arguments, std::size_t... K, std::size_t... R>
   struct Passed<Arguments, std::index_sequence<K...>, std::index_sequence<R...>> {
-    using type = std::tuple<const SegmentFor<K, Arguments>&..., std::tuple_element_t<controls + R, Arguments>...>;
+    using type =
+        std::tuple<const SegmentFor<K, Arguments>&..., std::tuple_element_t<controls + R, Arguments>...>;
     static auto call(const OnSegments& self, const Arguments& all) {
       return self.f(self.template segment<K>(all)..., std::get<controls + R>(all)...);
     }
@@ -162,8 +164,8 @@ class MeasurementOnSegments final : public MovingMeasurement {
 
   AnyMeasID insert(Estimator& est, const Numbers& at) const {
     return [&]<std::size_t... K>(std::index_sequence<K...>) {
-      const auto function =
-          onSegments<Segments...>(f_, {Blending<Segments::order>(std::get<K>(places_).spline->knots, at[K])...});
+      const auto function = onSegments<Segments...>(
+          f_, {Blending<Segments::order>(std::get<K>(places_).spline->knots, at[K])...});
       const auto controls = std::tuple_cat(std::get<K>(places_).spline->of(at[K])...);
       return std::apply(
           [&](const auto&... argument) {
@@ -188,7 +190,8 @@ std::shared_ptr<MovingMeasurement> makeMeasurement(Estimator& est, F f, std::tup
                                                    const std::tuple<const Rest&...>& rest) {
   auto arguments = std::apply([](const auto&... argument) { return std::tuple{kept(argument)...}; }, rest);
   using Arguments = decltype(arguments);
-  const bool is_constant = std::apply([](const auto&... place) { return (place.is_constant && ...); }, places);
+  const bool is_constant =
+      std::apply([](const auto&... place) { return (place.is_constant && ...); }, places);
   auto& first = *std::get<0>(places).spline;
   auto result = std::make_shared<MeasurementOnSegments<F, Arguments, Segments...>>(
       est, std::move(f), std::move(places), std::move(arguments));
@@ -213,15 +216,17 @@ Placed insertMeasurement(Estimator& est, F f, const Args&... args) {
     }
     return places > 0;
   }();
-  static_assert(are_first,
-                "slom: a measurement on splines starts with its splines: pass `spline.around(time)` for each right after "
-                "the function");
+  static_assert(
+      are_first,
+      "slom: a measurement on splines starts with its splines: pass `spline.around(time)` for each right after "
+      "the function");
   if constexpr (are_first) {
     const std::tuple<const Args&...> all(args...);
     return [&]<std::size_t... P, std::size_t... R>(std::index_sequence<P...>, std::index_sequence<R...>) {
-      return Placed(detail::makeMeasurement(
-          est, std::move(f), std::tuple{std::get<P>(all)...},
-          std::tuple<const std::tuple_element_t<places + R, std::tuple<Args...>>&...>(std::get<places + R>(all)...)));
+      return Placed(
+          detail::makeMeasurement(est, std::move(f), std::tuple{std::get<P>(all)...},
+                                  std::tuple<const std::tuple_element_t<places + R, std::tuple<Args...>>&...>(
+                                      std::get<places + R>(all)...)));
     }(std::make_index_sequence<places>(), std::make_index_sequence<sizeof...(Args) - places>());
   }
 }

@@ -19,7 +19,8 @@ namespace detail {
 template <class A, class B>
 auto cross(const mtk::vect<3, A>& a, const mtk::vect<3, B>& b) {
   using S = mtk::promote_t<A, B>;
-  return mtk::vect<3, S>(S(a[1] * b[2] - a[2] * b[1]), S(a[2] * b[0] - a[0] * b[2]), S(a[0] * b[1] - a[1] * b[0]));
+  return mtk::vect<3, S>(S(a[1] * b[2] - a[2] * b[1]), S(a[2] * b[0] - a[0] * b[2]),
+                         S(a[0] * b[1] - a[1] * b[0]));
 }
 
 }  // namespace detail
@@ -42,7 +43,8 @@ class RotationSegment {
   using Over = RotationSegment<N, T>;
 
   /// Joins control points and weights.
-  RotationSegment(const Blending<N>& blending, const Controls& controls) : blending_(blending), first_(controls[0]) {
+  RotationSegment(const Blending<N>& blending, const Controls& controls)
+      : blending_(blending), first_(controls[0]) {
     for (std::size_t j = 0; j < blending_.steps; ++j) {
       steps_[j] = Control::log(controls[j].inverse() * controls[j + 1]);
     }
@@ -76,7 +78,8 @@ class RotationSegment {
   /// Returns angular velocity and acceleration together, in less time than one after the other.
   template <class Time>
   auto angularMotionAt(const Time& t) const {
-    const auto b = blending_.at(t), rate = blending_.template at<1>(t), curvature = blending_.template at<2>(t);
+    const auto b = blending_.at(t), rate = blending_.template at<1>(t),
+               curvature = blending_.template at<2>(t);
     AngularMotion<Sum<decltype(b[0])>> motion{rate[0] * steps_[0], curvature[0] * steps_[0]};
     for (std::size_t j = 1; j < blending_.steps; ++j) {
       const auto back = turn(b[j], j).inverse();

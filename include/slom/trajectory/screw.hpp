@@ -51,12 +51,12 @@ std::array<S, 2> screwFactors(const S& square) {
   return mtk::detail::branch(
       square < S(kScrewSeries),
       [&] {
-        static constexpr std::array<long double, 8> b{1.0L / 2,        -1.0L / 24,         1.0L / 720,
-                                                      -1.0L / 40320,   1.0L / 3628800,     -1.0L / 479001600,
-                                                      1.0L / 87178291200, -1.0L / 20922789888000};
-        static constexpr std::array<long double, 8> c{1.0L / 6,           -1.0L / 120,           1.0L / 5040,
-                                                      -1.0L / 362880,     1.0L / 39916800,       -1.0L / 6227020800,
-                                                      1.0L / 1307674368000, -1.0L / 355687428096000};
+        static constexpr std::array<long double, 8> b{
+            1.0L / 2,       -1.0L / 24,        1.0L / 720,         -1.0L / 40320,
+            1.0L / 3628800, -1.0L / 479001600, 1.0L / 87178291200, -1.0L / 20922789888000};
+        static constexpr std::array<long double, 8> c{
+            1.0L / 6,        -1.0L / 120,        1.0L / 5040,          -1.0L / 362880,
+            1.0L / 39916800, -1.0L / 6227020800, 1.0L / 1307674368000, -1.0L / 355687428096000};
         return std::array<S, 2>{polynomialAt(b, square), polynomialAt(c, square)};
       },
       [&] {
@@ -73,9 +73,10 @@ S inverseScrewFactor(const S& square) {
   return mtk::detail::branch(
       square < S(kScrewSeries),
       [&] {
-        static constexpr std::array<long double, 8> e{
-            1.0L / 12,           1.0L / 720,           1.0L / 30240,           1.0L / 1209600,
-            1.0L / 47900160,     691.0L / 1307674368000, 1.0L / 74724249600,  3617.0L / 10670622842880000};
+        static constexpr std::array<long double, 8> e{1.0L / 12,          1.0L / 720,
+                                                      1.0L / 30240,       1.0L / 1209600,
+                                                      1.0L / 47900160,    691.0L / 1307674368000,
+                                                      1.0L / 74724249600, 3617.0L / 10670622842880000};
         return polynomialAt(e, square);
       },
       [&] {
@@ -106,7 +107,8 @@ Twist<S> screwLog(const mtk::trafo<mtk::SO3<S>>& T) {
 template <class S, class X>
 auto seenAfter(const mtk::trafo<mtk::SO3<S>>& T, const Twist<X>& twist) {
   const auto back = T.orient.inverse();
-  return Twist<mtk::promote_t<S, X>>{back * (twist.linear + cross(twist.angular, T.pos)), back * twist.angular};
+  return Twist<mtk::promote_t<S, X>>{back * (twist.linear + cross(twist.angular, T.pos)),
+                                     back * twist.angular};
 }
 /// Returns the Lie bracket [a, b] = ad(a) b.
 template <class S>

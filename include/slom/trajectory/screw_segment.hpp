@@ -30,7 +30,8 @@ class ScrewSegment {
   using Over = ScrewSegment<N, T>;
 
   /// Joins control points and weights.
-  ScrewSegment(const Blending<N>& blending, const Controls& controls) : blending_(blending), first_(controls[0]) {
+  ScrewSegment(const Blending<N>& blending, const Controls& controls)
+      : blending_(blending), first_(controls[0]) {
     for (std::size_t j = 0; j < blending_.steps; ++j) {
       steps_[j] = detail::screwLog<S>(controls[j].inverse() * controls[j + 1]);
     }
@@ -59,7 +60,8 @@ class ScrewSegment {
   /// Returns the twist and its derivative by time.
   template <class Time>
   auto screwMotionAt(const Time& t) const {
-    const auto b = blending_.at(t), rate = blending_.template at<1>(t), curvature = blending_.template at<2>(t);
+    const auto b = blending_.at(t), rate = blending_.template at<1>(t),
+               curvature = blending_.template at<2>(t);
     ScrewMotion<Sum<decltype(b[0])>> motion{steps_[0].times(rate[0]), steps_[0].times(curvature[0])};
     for (std::size_t j = 1; j < blending_.steps; ++j) {
       const auto T = step(b[j], j);

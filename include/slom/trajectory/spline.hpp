@@ -168,7 +168,8 @@ class Spline : public SplineBase {
   using Control = typename Segment::Control;
 
   /// Creates a spline without control points. `name` is for messages: the control points are `name[i]`.
-  Spline(Knots knots, std::string name) : SplineBase(std::make_shared<State>(std::move(knots), std::move(name))) {}
+  Spline(Knots knots, std::string name)
+      : SplineBase(std::make_shared<State>(std::move(knots), std::move(name))) {}
 
   /// Adds the control points that the times between `from` and `to` lack, as variables. Their start values continue the
   /// motion of the nearest control points; the first are Control(). Throws [slom.bad-time].

@@ -22,7 +22,8 @@ class VectorSegment {
   using Over = VectorSegment<D, N, T>;
 
   /// Joins control points and weights.
-  VectorSegment(const Blending<N>& blending, const Controls& controls) : blending_(blending), first_(controls[0]) {
+  VectorSegment(const Blending<N>& blending, const Controls& controls)
+      : blending_(blending), first_(controls[0]) {
     for (std::size_t j = 0; j < blending_.steps; ++j) steps_[j] = controls[j + 1] - controls[j];
   }
 
