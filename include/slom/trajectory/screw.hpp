@@ -10,7 +10,7 @@
 #include <cmath>
 
 #include "mtk/types/trafo.hpp"
-#include "slom/trajectory/rotation_segment.hpp"
+#include "slom/trajectory/rotation_recursion.hpp"
 
 namespace slom::trajectory {
 
