@@ -27,7 +27,7 @@ class PoseSegment {
 
   /// Joins control points and weights.
   PoseSegment(const Blending<N>& blending, const Controls& controls)
-      : position_(blending, positionsOf(controls)), rotation_(blending, orientationsOf(controls)) {}
+      : position_(blending, positionsOf(controls)), rotation_(blending, detail::orientationsOf(controls)) {}
 
   /// Returns the weights of the segment.
   const Blending<N>& blending() const { return position_.blending(); }
@@ -99,11 +99,6 @@ class PoseSegment {
   static typename Position::Controls positionsOf(const Controls& controls) {
     typename Position::Controls result;
     for (std::size_t j = 0; j < controls.size(); ++j) result[j] = controls[j].pos;
-    return result;
-  }
-  static typename Rotation::Controls orientationsOf(const Controls& controls) {
-    typename Rotation::Controls result;
-    for (std::size_t j = 0; j < controls.size(); ++j) result[j] = controls[j].orient;
     return result;
   }
 

@@ -10,6 +10,7 @@
 #include <array>
 #include <type_traits>
 
+#include "mtk/types/trafo.hpp"
 #include "slom/trajectory/rotation_recursion.hpp"
 
 namespace slom::trajectory {
@@ -186,4 +187,15 @@ class RotationSegment {
   detail::RotationRecursion<N, V> recursion_;
 };
 
+namespace detail {
+
+/// Returns the orientations of poses.
+template <class S, std::size_t N>
+std::array<mtk::SO3<S>, N> orientationsOf(const std::array<mtk::trafo<mtk::SO3<S>>, N>& poses) {
+  std::array<mtk::SO3<S>, N> result;
+  for (std::size_t j = 0; j < N; ++j) result[j] = poses[j].orient;
+  return result;
+}
+
+}  // namespace detail
 }  // namespace slom::trajectory

@@ -1,6 +1,6 @@
 /// ScrewSegment: one segment of a cumulative B-spline on SE(3). From one control point to the next leads a screw motion.
 ///   T(t) = C_0 exp(b_1(t) d_1) ... exp(b_{N-1}(t) d_{N-1})    with d_j = log(C_{j-1}^-1 C_j)
-/// The curve does not depend on the choice of the body's frame, as position and orientation apart do (PoseSegment), but
+/// The rotations are those of RotationSegment. The curve does not depend on the choice of the body's frame, as position and orientation apart do (PoseSegment), but
 /// takes longer. Frames are as in PoseSegment.
 ///   source  Lovegrove, Patron-Perez, Sibley, "Spline Fusion", 2013; recursions: Sommer et al., "Efficient derivative
 ///           computation for cumulative B-splines on Lie groups", 2020, section 4
@@ -8,6 +8,7 @@
 
 #include <array>
 
+#include "slom/trajectory/rotation_segment.hpp"
 #include "slom/trajectory/screw.hpp"
 
 namespace slom::trajectory {
@@ -31,7 +32,7 @@ class ScrewSegment {
 
   /// Joins control points and weights.
   ScrewSegment(const Blending<N>& blending, const Controls& controls)
-      : blending_(blending), first_(controls[0]) {
+      : blending_(blending), first_(controls[0]), rotation_(blending, detail::orientationsOf(controls)) {
     for (std::size_t j = 0; j < blending_.steps; ++j) {
       steps_[j] = detail::screwLog<S>(controls[j].inverse() * controls[j + 1]);
     }
@@ -83,7 +84,7 @@ class ScrewSegment {
   /// Returns the rotation from the body to the world.
   template <class Time>
   auto orientationAt(const Time& t) const {
-    return poseAt(t).orient;
+    return rotation_.orientationAt(t);
   }
   /// Returns the derivative of the position by time, along the axes of the world.
   template <class Time>
@@ -110,22 +111,22 @@ class ScrewSegment {
   /// Returns the angular velocity in the frame of the body, as a gyroscope reads it.
   template <class Time>
   auto angularVelocityAt(const Time& t) const {
-    return twistAt(t).angular;
+    return rotation_.angularVelocityAt(t);
   }
   /// Returns the derivative by time of angularVelocityAt, in the frame of the body.
   template <class Time>
   auto angularAccelerationAt(const Time& t) const {
-    return screwMotionAt(t).acceleration.angular;
+    return rotation_.angularAccelerationAt(t);
   }
   /// Returns the angular velocity along the axes of the world.
   template <class Time>
   auto worldAngularVelocityAt(const Time& t) const {
-    return orientationAt(t) * angularVelocityAt(t);
+    return rotation_.worldAngularVelocityAt(t);
   }
   /// Returns the angular acceleration along the axes of the world.
   template <class Time>
   auto worldAngularAccelerationAt(const Time& t) const {
-    return orientationAt(t) * angularAccelerationAt(t);
+    return rotation_.worldAngularAccelerationAt(t);
   }
 
  private:
@@ -141,6 +142,7 @@ class ScrewSegment {
   Blending<N> blending_;
   Control first_;
   std::array<Twist<S>, std::size_t{N - 1}> steps_;
+  RotationSegment<N, S> rotation_;
 };
 
 }  // namespace slom::trajectory
