@@ -123,6 +123,38 @@ TEST(TrajectoryFit, FindsTheOffsetOfAClock) {
   EXPECT_GT(squares / fits, 0.25);
 }
 
+/// A slow motion, and a second clock that is 2 s late: 40 spacings of the knots.
+TEST(TrajectoryFit, FindsAnOffsetOfManySegments) {
+  const auto truth = [](double t) { return Vec3(std::sin(0.3 * t), std::cos(0.25 * t), 0.1 * t); };
+  const auto position = [](const auto& x, double t) { return x.at(t); };
+  const auto late = [](const auto& x, const auto& by, double stamp) { return x.at(stamp + by); };
+  for (const double offset : {2.0, -2.0, 0.3}) {
+    for (unsigned seed = 0; seed < 2; ++seed) {
+      SCOPED_TRACE("offset " + std::to_string(offset) + ", seed " + std::to_string(seed));
+      mtk::testing::Random random(seed);
+      Estimator est;
+      trajectory::VectorSpline<3, 4> x(Knots(0, 0.05), "x");
+      x.extend(est, 0, 20, truth);
+      const auto by = est.insertRV(0.0, "offset");
+      for (int i = 0; i <= 2000; ++i) {
+        const double t = 0.01 * i;
+        insertMeasurement(est, position, x.around(t), t,
+                          measured(Vec3(truth(t) + testing::randomVector(random, 1e-4))),
+                          StandardDeviation(1e-4));
+        insertMeasurement(est, late, x.around(t, by), by, t,
+                          measured(Vec3(truth(t + offset) + testing::randomVector(random, 1e-4))),
+                          StandardDeviation(1e-4));
+      }
+      const Summary summary = trajectory::optimize(est, {x});
+      EXPECT_TRUE(summary.converged) << summary.message;
+      EXPECT_NEAR(summary.chi2PerDof(), 1, 0.05);
+      const double sigma = est.standardDeviation(by)[0];
+      EXPECT_LT(sigma, 2e-5);
+      EXPECT_LT(std::abs(*by - offset), 4 * sigma);
+    }
+  }
+}
+
 TEST(TrajectoryFit, OnSE3AndWithNonUniformKnots) {
   std::vector<double> times;
   for (int i = 0; i <= 40; ++i) times.push_back(0.2 * i + (i % 2 == 0 ? 0 : 0.03));
