@@ -55,13 +55,12 @@ class Round {
 }  // namespace
 
 bool SplineBase::isLeft() const {
-  return std::any_of(state_->moving.begin(), state_->moving.end(), [](const auto& measurement) {
-    return measurement->id.isValid() && measurement->isAway();
-  });
+  return std::any_of(state_->moving.begin(), state_->moving.end(),
+                     [](const auto& measurement) { return measurement->exists() && measurement->isAway(); });
 }
 
 int SplineBase::follow(Estimator& est) {
-  std::erase_if(state_->moving, [](const auto& measurement) { return !measurement->id.isValid(); });
+  std::erase_if(state_->moving, [](const auto& measurement) { return !measurement->exists(); });
   int moved = 0;
   for (const auto& measurement : state_->moving) {
     if (!measurement->isAway()) continue;

@@ -206,6 +206,23 @@ TEST_F(Moved, RemovedMeasurementsStayRemoved) {
   EXPECT_EQ(est.getM(), 0);
 }
 
+TEST_F(Moved, MeasurementsOnSplinesThatAreGoneStay) {
+  x.extend(est, 0, 10);
+  {
+    VectorSpline<1, 3> bias(Knots(0, 1), "bias");
+    bias.extend(est, 0, 10);
+    const auto f = [](const auto& a, const auto& b, const auto& by, double t) {
+      return a.at(t + by) + b.at(t + by);
+    };
+    insertMeasurement(est, f, x.around(2.5, offset), bias.around(2.5, offset), offset, 2.5,
+                      measured(mtk::vect<1>(1.0)));
+  }
+  est.reinitRV(offset, 3.0);
+  EXPECT_FALSE(x.isLeft());
+  EXPECT_EQ(x.follow(est), 0);
+  EXPECT_EQ(est.getM(), 1);
+}
+
 TEST_F(Moved, TimesAreAnyFunctionOfVariables) {
   x.extend(est, 0, 10, [](double t) { return mtk::vect<1>(t); });
   const auto delay = est.insertRV(0.01, "line delay");

@@ -126,33 +126,47 @@ const T& lent(const T& argument) {
 }
 inline Named lent(const KeptLabel& kept) { return {kept.label}; }
 
+/// A spline at a time. It does not keep the spline, whose list of measurements it is in.
+template <class Segment>
+struct WatchedPlace {
+  std::weak_ptr<ControlPoints<Segment>> spline;
+  Clock clock;
+
+  explicit WatchedPlace(const Place<Segment>& place) : spline(place.spline), clock(place.clock) {}
+};
+
 /// A measurement with all that its insertion needs.
 template <class F, class Arguments, class... Segments>
 class MeasurementOnSegments final : public MovingMeasurement {
+  using Numbers = std::array<std::int64_t, sizeof...(Segments)>;
   static constexpr auto indices = std::index_sequence_for<Segments...>{};
 
  public:
   /// Inserts the measurement. Throws [slom.uncovered-time], [slom.bad-time] or as Estimator::insertMeasurement does.
-  MeasurementOnSegments(Estimator& est, F f, std::tuple<Place<Segments>...> places, Arguments arguments)
-      : f_(std::move(f)), places_(std::move(places)), arguments_(std::move(arguments)) {
-    [&]<std::size_t... K>(std::index_sequence<K...>) {
-      segments_ = {std::get<K>(places_).spline->coveredSegment(std::get<K>(places_).clock())...};
-    }(indices);
+  MeasurementOnSegments(Estimator& est, F f, const std::tuple<Place<Segments>...>& places,
+                        Arguments arguments)
+      : f_(std::move(f)),
+        places_(std::apply([](const auto&... place) { return std::tuple{WatchedPlace(place)...}; }, places)),
+        arguments_(std::move(arguments)) {
+    segments_ = eachPlace([](auto& spline, double t, std::int64_t) { return spline.coveredSegment(t); });
     id = insert(est, segments_);
   }
 
+  bool exists() const override {
+    return id.isValid() &&
+           std::apply([](const auto&... place) { return (!place.spline.expired() && ...); }, places_);
+  }
   bool isAway() const override {
-    return [&]<std::size_t... K>(std::index_sequence<K...>) {
-      return (std::get<K>(places_).spline->isOutside(std::get<K>(places_).clock(), segments_[K]) || ...);
-    }(indices);
+    const Numbers is_outside = eachPlace(
+        [](auto& spline, double t, std::int64_t present) { return spline.isOutside(t, present) ? 1 : 0; });
+    return is_outside != Numbers{};
   }
   void place(Estimator& est) override {
-    const Numbers next = [&]<std::size_t... K>(std::index_sequence<K...>) {
-      return Numbers{std::get<K>(places_).spline->nextSegment(std::get<K>(places_).clock(), segments_[K])...};
-    }(indices);
-    [&]<std::size_t... K>(std::index_sequence<K...>) {
-      (std::get<K>(places_).spline->cover(est, next[K], next[K], true), ...);
-    }(indices);
+    const Numbers next = eachPlace([&](auto& spline, double t, std::int64_t present) {
+      const std::int64_t segment = spline.nextSegment(t, present);
+      spline.cover(est, segment, segment, true);
+      return segment;
+    });
     const AnyMeasID inserted = insert(est, next);
     est.removeMeasurement(id);
     id = inserted;
@@ -160,41 +174,47 @@ class MeasurementOnSegments final : public MovingMeasurement {
   }
 
  private:
-  using Numbers = std::array<std::int64_t, sizeof...(Segments)>;
-
+  /// Returns f(spline, time, segment) for each place.
+  template <class G>
+  Numbers eachPlace(const G& f) const {
+    return [&]<std::size_t... K>(std::index_sequence<K...>) {
+      return Numbers{f(*std::get<K>(places_).spline.lock(), std::get<K>(places_).clock(), segments_[K])...};
+    }(indices);
+  }
   AnyMeasID insert(Estimator& est, const Numbers& at) const {
     return [&]<std::size_t... K>(std::index_sequence<K...>) {
-      const auto function = onSegments<Segments...>(
-          f_, {Blending<Segments::order>(std::get<K>(places_).spline->knots, at[K])...});
-      const auto controls = std::tuple_cat(std::get<K>(places_).spline->of(at[K])...);
+      const std::tuple splines{std::get<K>(places_).spline.lock()...};
+      const auto function =
+          onSegments<Segments...>(f_, {Blending<Segments::order>(std::get<K>(splines)->knots, at[K])...});
       return std::apply(
           [&](const auto&... argument) {
             return std::apply(
                 [&](const auto&... control) {
                   return AnyMeasID(est.insertMeasurement(function, control..., lent(argument)...));
                 },
-                controls);
+                std::tuple_cat(std::get<K>(splines)->of(at[K])...));
           },
           arguments_);
     }(indices);
   }
 
   F f_;
-  std::tuple<Place<Segments>...> places_;
+  std::tuple<WatchedPlace<Segments>...> places_;
   Arguments arguments_;
   Numbers segments_{};
 };
 
 template <class F, class... Segments, class... Rest>
-std::shared_ptr<MovingMeasurement> makeMeasurement(Estimator& est, F f, std::tuple<Place<Segments>...> places,
+std::shared_ptr<MovingMeasurement> makeMeasurement(Estimator& est, F f,
+                                                   const std::tuple<Place<Segments>...>& places,
                                                    const std::tuple<const Rest&...>& rest) {
   auto arguments = std::apply([](const auto&... argument) { return std::tuple{kept(argument)...}; }, rest);
   using Arguments = decltype(arguments);
   const bool is_constant =
       std::apply([](const auto&... place) { return (place.is_constant && ...); }, places);
   auto& first = *std::get<0>(places).spline;
-  auto result = std::make_shared<MeasurementOnSegments<F, Arguments, Segments...>>(
-      est, std::move(f), std::move(places), std::move(arguments));
+  auto result = std::make_shared<MeasurementOnSegments<F, Arguments, Segments...>>(est, std::move(f), places,
+                                                                                   std::move(arguments));
   if (!is_constant) first.moving.push_back(result);
   return result;
 }
@@ -204,7 +224,7 @@ std::shared_ptr<MovingMeasurement> makeMeasurement(Estimator& est, F f, std::tup
 /// Adds a measurement f(segments..., others...). Arguments: first `spline.around(time)` for each spline, then variables,
 /// data, slom::measured and options, as in Estimator::insertMeasurement. f gets a segment for each spline, of the number
 /// type of the variables, so its parameters are `const auto&`; derivatives by control points and by times are then
-/// exact. Throws [slom.uncovered-time] if a spline does not cover the present time, and as
+/// exact. The measurement moves as long as handles of all its splines exist. Throws [slom.uncovered-time] if a spline does not cover the present time, and as
 /// Estimator::insertMeasurement does.
 template <class F, class... Args>
 Placed insertMeasurement(Estimator& est, F f, const Args&... args) {

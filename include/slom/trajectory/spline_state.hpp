@@ -20,6 +20,8 @@ using Clock = std::function<double()>;
 class MovingMeasurement {
  public:
   virtual ~MovingMeasurement();
+  /// Returns whether the measurement is in the estimator, and its splines exist.
+  virtual bool exists() const = 0;
   /// Returns whether a time is outside the segment that the measurement was inserted with.
   virtual bool isAway() const = 0;
   /// Inserts the measurement on the segments of its times, extends the splines for it, and removes the old one.
