@@ -1,4 +1,5 @@
-/// Trajectories in continuous time: B-splines whose control points are variables, and functions of time for measurements.
+/// Trajectories in continuous time: B-splines whose control points are variables, and functions of time for
+/// measurements.
 ///
 ///     slom::trajectory::PoseSpline<4> pose(slom::trajectory::Knots(0, 0.1), "pose");
 ///     pose.extend(est, 0, 60);

@@ -84,6 +84,19 @@ void SplineState::cover(Estimator& est, std::int64_t first_segment, std::int64_t
   while (first_ > first_segment) grow(est, true, tied);
 }
 
+void SplineState::cover(Estimator& est, double from, double to) {
+  const std::int64_t first_segment = knots.segmentAt(from);
+  std::int64_t last_segment = knots.segmentAt(to);
+  if (to < from) {
+    throw mtk::Error("slom.bad-time",
+                     "spline " + name + " is to cover the times from " + text(from) + " to " + text(to) +
+                         ", which is earlier; exchange them",
+                     name);
+  }
+  if (to == knots[last_segment] && last_segment > first_segment) --last_segment;  // the end of a segment
+  cover(est, first_segment, last_segment, false);
+}
+
 std::vector<std::int64_t> SplineState::tiesOf(std::int64_t i) const {
   std::vector<std::int64_t> result;
   for (std::int64_t k = i - 2; k <= i + 2; ++k) {

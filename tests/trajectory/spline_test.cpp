@@ -24,21 +24,21 @@ const auto kValue = [](const auto& x, double t) { return x.at(t); };
 TEST(Spline, CoversTheTimesAskedFor) {
   Estimator est;
   VectorSpline<1, 4> x(Knots(0, 1), "x");
-  EXPECT_GT(x.begin(), x.end());
+  EXPECT_GT(x.firstTime(), x.lastTime());
   x.extend(est, 2.5, 5.5);
-  EXPECT_EQ(x.begin(), 2);
-  EXPECT_EQ(x.end(), 6);
+  EXPECT_EQ(x.firstTime(), 2);
+  EXPECT_EQ(x.lastTime(), 6);
   EXPECT_EQ(x.controls().size(), 7u);
   EXPECT_EQ(est.nameOf(x.controls().front()), "x[2]");
   x.extend(est, 6, 6);
   x.extend(est, -1, 0);
-  EXPECT_EQ(x.begin(), -1);
-  EXPECT_EQ(x.end(), 7);
+  EXPECT_EQ(x.firstTime(), -1);
+  EXPECT_EQ(x.lastTime(), 7);
   EXPECT_EQ(est.nameOf(x.controls().front()), "x[-1]");
   EXPECT_EQ(x.segmentAt(7).at(7)[0], 0);  // the last time belongs to the last segment
   VectorSpline<1, 4> exact(Knots(0, 1), "exact");
   exact.extend(est, 0, 3);
-  EXPECT_EQ(exact.end(), 3);
+  EXPECT_EQ(exact.lastTime(), 3);
 }
 
 TEST(Spline, ContinuesTheMotion) {
@@ -73,6 +73,9 @@ TEST(Spline, RefusesTimesThatItDoesNotCover) {
             "[slom.bad-time] the time on a spline is nan; pass a finite number");
   EXPECT_EQ(messageOf([&] { x.extend(est, 0, nan); }),
             "[slom.bad-time] the time on a spline is nan; pass a finite number");
+  EXPECT_EQ(
+      messageOf([&] { x.extend(est, 5, 2); }),
+      "[slom.bad-time] spline height is to cover the times from 5 to 2, which is earlier; exchange them");
   EXPECT_EQ(est.getM(), 0);
 }
 
@@ -139,8 +142,8 @@ TEST(Spline, TiesItsEnds) {
   EXPECT_NEAR(est.getRMS(), 1 / (3 * std::sqrt(11.0 / 13)), 1e-12);  // 11 changes by 2 of 13 control points
   insertMeasurement(est, kValue, x.around(5.5), 5.5, measured(mtk::vect<1>(1.0)));
   x.trim(est);
-  EXPECT_EQ(x.begin(), 5);
-  EXPECT_EQ(x.end(), 6);
+  EXPECT_EQ(x.firstTime(), 5);
+  EXPECT_EQ(x.lastTime(), 6);
   EXPECT_EQ(est.getM(), 1);
 }
 
@@ -165,8 +168,8 @@ TEST_F(Moved, MeasurementsFollowTheirTimes) {
   EXPECT_TRUE(x.isLeft());
   EXPECT_EQ(x.follow(est), 1);
   EXPECT_FALSE(x.isLeft());
-  EXPECT_EQ(x.begin(), 5);  // trimmed to the only segment with a measurement
-  EXPECT_EQ(x.end(), 6);
+  EXPECT_EQ(x.firstTime(), 5);  // trimmed to the only segment with a measurement
+  EXPECT_EQ(x.lastTime(), 6);
   EXPECT_NEAR(est.residual(placed.id())[0] - at_start, 5.75 * 5.75 - 2.5 * 2.5, 1e-12);
   EXPECT_EQ(est.getM(), 1 + 4);  // and the ends are tied
 }
@@ -181,8 +184,8 @@ TEST_F(Moved, SplinesGrowAtBothEnds) {
     EXPECT_EQ(rounds, by == 0 ? 4 : by > 0 ? 3 : 7);  // 256 segments at a time
     EXPECT_NEAR(est.residual(first.id())[0], 3 * (0.5 + by) - 1, 1e-9);
     EXPECT_NEAR(est.residual(last.id())[0], 3 * (9.5 + by) - 1, 1e-9);
-    EXPECT_LE(x.begin(), 0.5 + by);
-    EXPECT_GE(x.end(), 9.5 + by);
+    EXPECT_LE(x.firstTime(), 0.5 + by);
+    EXPECT_GE(x.lastTime(), 9.5 + by);
     EXPECT_LE(x.controls().size(), 14u);
   }
 }

@@ -3,8 +3,8 @@
 ///   cumulative  b_j(t) = B_j + ... + B_{N-1}, j = 1, ..., N - 1: the weight of the step from control point j - 1 to j
 /// Both are polynomials of degree N - 1 in u = (t - start) / spacing. Outside the segment they continue as polynomials.
 ///   source      recursion of Cox and de Boor, on coefficients of polynomials; Qin, "General matrix representations for
-///               B-splines", 2000; cumulative form: Kim, Kim and Shin, "A general construction scheme for unit quaternion
-///               curves with simple high order derivatives", 1995
+///               B-splines", 2000; cumulative form: Kim, Kim and Shin, "A general construction scheme for unit
+///               quaternion curves with simple high order derivatives", 1995
 #pragma once
 
 #include <array>

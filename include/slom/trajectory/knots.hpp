@@ -16,8 +16,8 @@ namespace slom::trajectory {
 /// Strictly increasing times [s, or any other unit of time].
 class Knots {
  public:
-  /// Creates uniform knots: knot i is start + i * spacing. Throws [slom.bad-knots] unless start is finite and spacing is
-  /// finite and positive.
+  /// Creates uniform knots: knot i is start + i * spacing. Throws [slom.bad-knots] unless start is finite and spacing
+  /// is finite and positive.
   Knots(double start, double spacing);
   /// Creates non-uniform knots: knot i is times[i]. Throws [slom.bad-knots] unless there are at least 2 finite and
   /// strictly increasing times.
@@ -25,10 +25,11 @@ class Knots {
 
   /// Returns the time of knot i.
   double operator[](std::int64_t i) const;
-  /// Returns the segment that contains the time t. Throws [slom.bad-time] if t is not finite or more than 2^52 knots away.
+  /// Returns the segment that contains the time t. Throws [slom.bad-time] if t is not finite or more than 2^52 knots
+  /// away.
   std::int64_t segmentAt(double t) const;
-  /// Returns the mean of the knots of control point i that are inside its support (Greville's abscissa). If each control
-  /// point is a linear function at this time, the spline is this function.
+  /// Returns the mean of the knots of control point i that are inside its support (Greville's abscissa). If each
+  /// control point is a linear function at this time, the spline is this function.
   double timeOfControl(std::int64_t i, int order) const;
   /// Returns whether all spacings are equal by construction.
   bool isUniform() const { return times_.empty(); }

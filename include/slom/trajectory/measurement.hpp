@@ -221,11 +221,11 @@ std::shared_ptr<MovingMeasurement> makeMeasurement(Estimator& est, F f,
 
 }  // namespace detail
 
-/// Adds a measurement f(segments..., others...). Arguments: first `spline.around(time)` for each spline, then variables,
-/// data, slom::measured and options, as in Estimator::insertMeasurement. f gets a segment for each spline, of the number
-/// type of the variables, so its parameters are `const auto&`; derivatives by control points and by times are then
-/// exact. The measurement moves as long as handles of all its splines exist. Throws [slom.uncovered-time] if a spline does not cover the present time, and as
-/// Estimator::insertMeasurement does.
+/// Adds a measurement f(segments..., others...). Arguments: first `spline.around(time)` for each spline, then
+/// variables, data, slom::measured and options, as in Estimator::insertMeasurement. f gets a segment for each spline,
+/// of the number type of the variables, so its parameters are `const auto&`; derivatives by control points and by times
+/// are then exact. The measurement moves as long as handles of all its splines exist. Throws [slom.uncovered-time] if a
+/// spline does not cover the present time, and as Estimator::insertMeasurement does.
 template <class F, class... Args>
 Placed insertMeasurement(Estimator& est, F f, const Args&... args) {
   constexpr std::size_t places = (std::size_t{detail::is_place<Args>} + ... + 0);
@@ -252,9 +252,9 @@ Placed insertMeasurement(Estimator& est, F f, const Args&... args) {
 }
 
 /// Fits, and inserts measurements again between iterations when their times have moved to another segment, until none
-/// moves. `splines`: those that come first in measurements with estimated times. Splines grow where times leave them, and
-/// control points at their ends on which no measurement depends any more are removed. The summary is that of the last fit,
-/// with the iterations of all and the RSS at the start. Throws as Estimator::optimize does.
+/// moves. `splines`: those that come first in measurements with estimated times. Splines grow where times leave them,
+/// and control points at their ends on which no measurement depends any more are removed. The summary is that of the
+/// last fit, with the iterations of all and the RSS at the start. Throws as Estimator::optimize does.
 Summary optimize(Estimator& est, std::initializer_list<SplineBase> splines, const Options& options = {});
 
 }  // namespace slom::trajectory

@@ -1,9 +1,9 @@
-/// PoseSegment: one segment of a trajectory of poses whose position and orientation are splines of their own, with common
-/// knots: x(t) in R^3 and R(t) on SO(3).
+/// PoseSegment: one segment of a trajectory of poses whose position and orientation are splines of their own, with
+/// common knots: x(t) in R^3 and R(t) on SO(3).
 /// The pose is world_T_body. Names without a frame: positions, velocities and accelerations are along the axes of the
 /// world, angular ones along those of the body.
-///   source  Sommer et al., "Efficient derivative computation for cumulative B-splines on Lie groups", 2020, section 6:
-///           faster than a spline on SE(3), and not less accurate
+///   source  compared with a spline on SE(3) in Ovren and Forssen, "Trajectory representation and landmark projection for
+///           continuous-time structure from motion", 2019
 #pragma once
 
 #include <array>

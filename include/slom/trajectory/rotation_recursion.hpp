@@ -2,8 +2,8 @@
 ///   A_j = exp(b_j d_j), j = 1, ..., N - 1;  s_j = b_j' d_j
 ///   w_j = A_j^T w_{j-1} + s_j                                    angular velocity, in the frame after A_j
 ///   a_j = A_j^T a_{j-1} + (A_j^T w_{j-1}) x s_j + b_j'' d_j      its derivative by time
-///   source  Sommer, Usenko, Schubert, Demmel and Cremers, "Efficient derivative computation for cumulative B-splines on
-///           Lie groups", 2020, section 4; derivatives by d_j with the right Jacobian of SO(3)
+///   source  Sommer, Usenko, Schubert, Demmel and Cremers, "Efficient derivative computation for cumulative B-splines
+///           on Lie groups", 2020; derivatives by d_j with the right Jacobian of SO(3)
 #pragma once
 
 #include <array>
@@ -40,8 +40,8 @@ struct TurnDerivatives {
   mtk::SO3<V> turn;
   StepMatrices<N, V> by_step;
 };
-/// Angular velocity, acceleration and jerk, and derivatives of the first two by the steps. Which of them are computed is
-/// said where they are made.
+/// Angular velocity, acceleration and jerk, and derivatives of the first two by the steps. Which of them are computed
+/// is said where they are made.
 template <int N, class V>
 struct RateDerivatives {
   mtk::vect<3, V> velocity, acceleration, jerk;

@@ -1,6 +1,7 @@
 /// RotationSegment: one segment of a cumulative B-spline on SO(3).
 ///   R(t) = C_0 exp(b_1(t) d_1) ... exp(b_{N-1}(t) d_{N-1})    with d_j = log(C_{j-1}^-1 C_j)
-/// R moves vectors from the body to the world. The rotations from one control point to the next must be shorter than pi.
+/// R moves vectors from the body to the world. The rotations from one control point to the next must be shorter than
+/// pi.
 ///   source  Kim, Kim and Shin, "A general construction scheme for unit quaternion curves with simple high order
 ///           derivatives", 1995
 /// If control points or the time carry derivatives, all is computed over plain numbers (rotation_recursion.hpp) and

@@ -135,17 +135,17 @@ class SplineBase {
  public:
   /// Returns the knots.
   const Knots& knots() const { return state_->knots; }
-  /// Returns the first time that is covered. It is later than end() if there are no control points.
-  double begin() const { return knots()[state_->firstSegment()]; }
+  /// Returns the first time that is covered. It is later than lastTime() if there are no control points.
+  double firstTime() const { return knots()[state_->firstSegment()]; }
   /// Returns the last time that is covered.
-  double end() const { return knots()[state_->lastSegment() + 1]; }
+  double lastTime() const { return knots()[state_->lastSegment() + 1]; }
   /// Removes the control points at both ends on which no measurement depends. Keeps those of at least one segment.
   void trim(Estimator& est) { state_->trim(est); }
-  /// Gives the N - 1 outermost control points at each end a weak measurement that the motion continues: the change of the
-  /// motion is 0 with 3 times the RMS change between all control points as standard deviation. Data determine these
-  /// control points less than the others, for N = 6 by a factor of up to 120. A second call renews the measurements with
-  /// the present values. `follow` does so for splines whose measurements move. Does nothing for less than 4 control
-  /// points.
+  /// Gives the N - 1 outermost control points at each end a weak measurement that the motion continues: the change of
+  /// the motion is 0 with 3 times the RMS change between all control points as standard deviation. Data determine these
+  /// control points less than the others, for N = 6 by a factor of up to 120. A second call renews the measurements
+  /// with the present values. `follow` does so for splines whose measurements move. Does nothing for less than 4
+  /// control points.
   void tieEnds(Estimator& est) { state_->tieEnds(est, true); }
   /// Returns whether a measurement that was inserted with this spline as its first has a time outside its segment.
   bool isLeft() const;
@@ -172,21 +172,17 @@ class Spline : public SplineBase {
       : SplineBase(std::make_shared<State>(std::move(knots), std::move(name))) {}
 
   /// Adds the control points that the times between `from` and `to` lack, as variables. Their start values continue the
-  /// motion of the nearest control points; the first are Control(). Throws [slom.bad-time].
+  /// motion of the nearest control points; the first are Control(). Throws [slom.bad-time], also if `to` is before
+  /// `from`.
   void extend(Estimator& est, double from, double to) { extend(est, from, to, {}); }
   /// Adds control points with the start values start(t), a function of their times that returns a Control.
   void extend(Estimator& est, double from, double to, const std::function<Control(double)>& start) {
-    const std::int64_t first = knots().segmentAt(from);
-    std::int64_t last = knots().segmentAt(to);
-    if (to == knots()[last] && last > first) --last;
+    struct Forget {
+      State& state;
+      ~Forget() { state.start = nullptr; }
+    } const forget{state()};
     state().start = start;
-    try {
-      state().cover(est, first, std::max(first, last), false);
-    } catch (...) {
-      state().start = nullptr;
-      throw;
-    }
-    state().start = nullptr;
+    state().cover(est, from, to);
   }
 
   /// Returns the segment that contains a covered time, at the present values: `spline.segmentAt(t).poseAt(t)`. Throws

@@ -56,9 +56,11 @@ class SplineState {
   std::int64_t nextSegment(double t, std::int64_t present) const;
   /// Returns whether a time is outside a segment by more than rounding errors.
   bool isOutside(double t, std::int64_t segment) const;
-  /// Adds the control points that these segments lack. If `tied`, each gets a weak measurement that the motion continues,
-  /// because the measurement that needs it may not determine it.
+  /// Adds the control points that these segments lack. If `tied`, each gets a weak measurement that the motion
+  /// continues, because the measurement that needs it may not determine it.
   void cover(Estimator& est, std::int64_t first_segment, std::int64_t last_segment, bool tied);
+  /// Adds the control points that the times between `from` and `to` lack. Throws [slom.bad-time].
+  void cover(Estimator& est, double from, double to);
   /// Removes the control points at both ends on which no measurement of the user depends. Keeps those of one segment.
   void trim(Estimator& est);
   /// Gives the order - 1 outermost control points at each end such a weak measurement if they have none. A segment with
