@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "slom/trajectory/measurement.hpp"
@@ -67,7 +68,7 @@ int SplineBase::follow(Estimator& est) {
     measurement->place(est);
     ++moved;
   }
-  if (moved > 0) {
+  if (std::exchange(state_->has_changed, false)) {
     state_->trim(est);
     state_->tieEnds(est, false);
   }

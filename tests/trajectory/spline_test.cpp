@@ -19,6 +19,9 @@ using trajectory::PoseSpline;
 using trajectory::RotationSpline;
 using trajectory::VectorSpline;
 
+struct Height {
+  auto operator()(const auto& x, double t) const { return x.at(t); }
+};
 const auto kValue = [](const auto& x, double t) { return x.at(t); };
 
 TEST(Spline, CoversTheTimesAskedFor) {
@@ -119,6 +122,17 @@ TEST(Spline, MeasurementsMayHaveSeveralSplines) {
   EXPECT_EQ(est.getM(), 0);
 }
 
+TEST(Spline, MeasurementsHaveTheNameOfTheirFunction) {
+  Estimator est;
+  VectorSpline<1, 4> x(Knots(0, 1), "x");
+  x.extend(est, 0, 4);
+  const auto unnamed = insertMeasurement(est, Height(), x.around(1.5), 1.5, measured(mtk::vect<1>(1.0)));
+  const auto label =
+      insertMeasurement(est, Height(), x.around(1.5), 1.5, measured(mtk::vect<1>(1.0)), named("tide"));
+  EXPECT_EQ(est.nameOf(unnamed.id()), "Height #1");
+  EXPECT_EQ(est.nameOf(label.id()), "tide #1");
+}
+
 TEST(Spline, NumericFunctionsStayNumeric) {
   Estimator est;
   VectorSpline<1, 4> x(Knots(0, 1), "x");
@@ -207,6 +221,23 @@ TEST_F(Moved, RemovedMeasurementsStayRemoved) {
   EXPECT_FALSE(x.isLeft());
   EXPECT_EQ(x.follow(est), 0);
   EXPECT_EQ(est.getM(), 0);
+}
+
+TEST_F(Moved, AnySplineOfAMeasurementMovesIt) {
+  x.extend(est, 0, 10);
+  VectorSpline<1, 3> bias(Knots(0, 1), "bias");
+  bias.extend(est, 0, 10);
+  const auto f = [](const auto& a, const auto& b, const auto& by, double t) {
+    return a.at(t + by) + b.at(t);
+  };
+  insertMeasurement(est, f, x.around(2.5, offset), bias.around(2.5), offset, 2.5,
+                    measured(mtk::vect<1>(1.0)));
+  est.reinitRV(offset, 3.0);
+  EXPECT_TRUE(bias.isLeft());
+  EXPECT_EQ(bias.follow(est), 1);
+  EXPECT_EQ(x.follow(est), 0);
+  EXPECT_EQ(x.firstTime(), 5);
+  EXPECT_EQ(bias.firstTime(), 2);
 }
 
 TEST_F(Moved, MeasurementsOnSplinesThatAreGoneStay) {

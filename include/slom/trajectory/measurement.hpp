@@ -126,6 +126,18 @@ const T& lent(const T& argument) {
 }
 inline Named lent(const KeptLabel& kept) { return {kept.label}; }
 
+/// Returns the arguments with the name of the user's function as label, unless there is one.
+template <class F, class... Kept>
+auto withLabel(std::tuple<Kept...> arguments) {
+  if constexpr ((std::is_same_v<Kept, KeptLabel> || ...)) {
+    return arguments;
+  } else {
+    using Function = typename slom::detail::Unwrapped<F>::type;
+    const std::string name = std::is_class_v<Function> ? typeName<Function>() : "function";
+    return std::tuple_cat(std::move(arguments), std::tuple{KeptLabel{name}});
+  }
+}
+
 /// A spline at a time. It does not keep the spline, whose list of measurements it is in.
 template <class Segment>
 struct WatchedPlace {
@@ -165,6 +177,7 @@ class MeasurementOnSegments final : public MovingMeasurement {
     const Numbers next = eachPlace([&](auto& spline, double t, std::int64_t present) {
       const std::int64_t segment = spline.nextSegment(t, present);
       spline.cover(est, segment, segment, true);
+      spline.has_changed = true;
       return segment;
     });
     const AnyMeasID inserted = insert(est, next);
@@ -208,14 +221,16 @@ template <class F, class... Segments, class... Rest>
 std::shared_ptr<MovingMeasurement> makeMeasurement(Estimator& est, F f,
                                                    const std::tuple<Place<Segments>...>& places,
                                                    const std::tuple<const Rest&...>& rest) {
-  auto arguments = std::apply([](const auto&... argument) { return std::tuple{kept(argument)...}; }, rest);
+  auto arguments =
+      withLabel<F>(std::apply([](const auto&... argument) { return std::tuple{kept(argument)...}; }, rest));
   using Arguments = decltype(arguments);
-  const bool is_constant =
-      std::apply([](const auto&... place) { return (place.is_constant && ...); }, places);
-  auto& first = *std::get<0>(places).spline;
   auto result = std::make_shared<MeasurementOnSegments<F, Arguments, Segments...>>(est, std::move(f), places,
                                                                                    std::move(arguments));
-  if (!is_constant) first.moving.push_back(result);
+  std::apply(
+      [&](const auto&... place) {
+        if (!(place.is_constant && ...)) (place.spline->moving.push_back(result), ...);
+      },
+      places);
   return result;
 }
 
@@ -252,7 +267,7 @@ Placed insertMeasurement(Estimator& est, F f, const Args&... args) {
 }
 
 /// Fits, and inserts measurements again between iterations when their times have moved to another segment, until none
-/// moves. `splines`: those that come first in measurements with estimated times. Splines grow where times leave them,
+/// moves. `splines`: those of measurements with estimated times. Splines grow where times leave them,
 /// and control points at their ends on which no measurement depends any more are removed. The summary is that of the
 /// last fit, with the iterations of all and the RSS at the start. Throws as Estimator::optimize does.
 Summary optimize(Estimator& est, std::initializer_list<SplineBase> splines, const Options& options = {});

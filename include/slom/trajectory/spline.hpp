@@ -144,13 +144,14 @@ class SplineBase {
   /// Gives the N - 1 outermost control points at each end a weak measurement that the motion continues: the change of
   /// the motion is 0 with 3 times the RMS change between all control points as standard deviation. Data determine these
   /// control points less than the others, for N = 6 by a factor of up to 120. A second call renews the measurements
-  /// with the present values. `follow` does so for splines whose measurements move. Does nothing for less than 4
+  /// with the present values. Does nothing for less than 4
   /// control points.
   void tieEnds(Estimator& est) { state_->tieEnds(est, true); }
-  /// Returns whether a measurement that was inserted with this spline as its first has a time outside its segment.
+  /// Returns whether a measurement of this spline has a time outside its segment, on this or another spline.
   bool isLeft() const;
   /// Inserts such measurements again, on the segments of their times, and extends splines where needed. A measurement
-  /// moves by at most 256 segments. Returns the number of measurements that moved. Then trims the spline if any did.
+  /// moves by at most 256 segments. If any has moved, also by the `follow` of another spline, trims this spline and ties
+  /// ends that have no such measurement. Returns the number of measurements that moved now.
   int follow(Estimator& est);
 
  protected:

@@ -42,7 +42,8 @@ class SplineState {
   const Knots knots;
   const std::string name;
   const int order;
-  std::vector<std::shared_ptr<MovingMeasurement>> moving;
+  std::vector<std::shared_ptr<MovingMeasurement>> moving;  ///< those that depend on this spline
+  bool has_changed = false;                                ///< one of them has moved since the last follow()
 
   /// Returns the segments that have all their control points: first to last, none if last < first.
   std::int64_t firstSegment() const { return first_; }
