@@ -22,15 +22,16 @@ int followAll(Estimator& est, std::vector<SplineBase>& splines) {
   return moved;
 }
 
-/// Options of one round, which ends when a measurement leaves its segment.
+/// Options of one round, which ends when a measurement leaves its segment. Earlier rounds, described by `before`, count
+/// towards the limits.
 class Round {
  public:
-  Round(const Options& given, const std::vector<SplineBase>& splines, int iterations, double seconds)
+  Round(const Options& given, const std::vector<SplineBase>& splines, const Summary* before)
       : options(given) {
-    if (given.max_iterations != Options::kByTheSize) {
-      options.max_iterations = std::max(given.max_iterations - iterations, 0);
+    if (before != nullptr && given.max_iterations != Options::kByTheSize) {
+      options.max_iterations = std::max(given.max_iterations - before->iterations, 0);
     }
-    options.max_seconds = std::max(given.max_seconds - seconds, 0.0);
+    if (before != nullptr) options.max_seconds = std::max(given.max_seconds - before->seconds, kLeastSeconds);
     if (given.should_stop) {
       options.should_stop = [this, &given] { return is_stopped = is_stopped || given.should_stop(); };
     }
@@ -50,6 +51,7 @@ class Round {
   bool is_stopped = false;  ///< by the user
 
  private:
+  static constexpr double kLeastSeconds = 1e-9;  // 0 is no limit that a fit accepts
   double least_rss_ = std::numeric_limits<double>::infinity();
 };
 
@@ -79,23 +81,20 @@ Summary optimize(Estimator& est, std::initializer_list<SplineBase> splines, cons
   std::vector<SplineBase> all(splines);
   followAll(est, all);
   Summary summary;
-  double initial_rss = 0, seconds = 0;
-  int iterations = 0, moved = 1;
+  int moved = 1;
   for (int round = 0; moved > 0 && round < kMostRounds; ++round) {
-    Round one(options, all, iterations, seconds);
-    summary = est.optimize(one.options);
-    if (round == 0) initial_rss = summary.initial_rss;
-    iterations += summary.iterations;
-    seconds += summary.seconds;
-    moved = followAll(est, all);
-    if (one.is_stopped || summary.stop_reason == StopReason::max_iterations ||
-        summary.stop_reason == StopReason::time_limit) {
-      break;
+    Round one(options, all, round > 0 ? &summary : nullptr);
+    Summary last = est.optimize(one.options);
+    if (round > 0) {
+      last.initial_rss = summary.initial_rss;
+      last.iterations += summary.iterations;
+      last.seconds += summary.seconds;
     }
+    summary = std::move(last);
+    moved = followAll(est, all);
+    const StopReason reason = summary.stop_reason;
+    if (one.is_stopped || reason == StopReason::max_iterations || reason == StopReason::time_limit) break;
   }
-  summary.initial_rss = initial_rss;
-  summary.iterations = iterations;
-  summary.seconds = seconds;
   if (moved > 0) {
     summary.converged = false;
     summary.message +=

@@ -213,6 +213,15 @@ TEST_F(Moved, TimesNextToAKnotStay) {
   EXPECT_EQ(x.follow(est), 1);
 }
 
+TEST_F(Moved, OptionsAreChecked) {
+  x.extend(est, 0, 10);
+  place(2.5);
+  EXPECT_EQ(messageOf([&] { trajectory::optimize(est, {x}, {.max_seconds = -1}); }),
+            messageOf([&] { est.optimize({.max_seconds = -1}); }));
+  EXPECT_EQ(messageOf([&] { trajectory::optimize(est, {x}, {.max_iterations = -7}); }),
+            messageOf([&] { est.optimize({.max_iterations = -7}); }));
+}
+
 TEST_F(Moved, RemovedMeasurementsStayRemoved) {
   x.extend(est, 0, 10);
   const auto placed = place(2.5);

@@ -267,9 +267,10 @@ Placed insertMeasurement(Estimator& est, F f, const Args&... args) {
 }
 
 /// Fits, and inserts measurements again between iterations when their times have moved to another segment, until none
-/// moves. `splines`: those of measurements with estimated times. Splines grow where times leave them,
-/// and control points at their ends on which no measurement depends any more are removed. The summary is that of the
-/// last fit, with the iterations of all and the RSS at the start. Throws as Estimator::optimize does.
+/// moves. `splines`: those of measurements with estimated times. Splines grow where times leave them. Control points at
+/// their ends are removed if no measurement depends on them any more. The summary is that of the last fit, with the
+/// iterations and seconds of all and the RSS at the start. Iterations in the trace and for the observer begin anew with
+/// each fit. Throws as Estimator::optimize does.
 Summary optimize(Estimator& est, std::initializer_list<SplineBase> splines, const Options& options = {});
 
 }  // namespace slom::trajectory

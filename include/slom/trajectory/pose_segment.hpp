@@ -2,8 +2,8 @@
 /// common knots: x(t) in R^3 and R(t) on SO(3).
 /// The pose is world_T_body. Names without a frame: positions, velocities and accelerations are along the axes of the
 /// world, angular ones along those of the body.
-///   source  compared with a spline on SE(3) in Ovren and Forssen, "Trajectory representation and landmark projection for
-///           continuous-time structure from motion", 2019
+///   source  Ovren and Forssen, "Trajectory representation and landmark projection for continuous-time structure from
+///           motion", 2019, compare it with a spline on SE(3)
 #pragma once
 
 #include <array>

@@ -3,8 +3,8 @@
 ///   T(t) = C_0 exp(b_1(t) d_1) ... exp(b_{N-1}(t) d_{N-1})    with d_j = log(C_{j-1}^-1 C_j)
 /// The rotations are those of RotationSegment. If another frame is fixed to the body, the curve is still the same
 /// motion; that of a PoseSegment is another one. Frames are as in PoseSegment.
-///   source  Lovegrove, Patron-Perez and Sibley, "Spline Fusion", 2013; recursions: Sommer et al., "Efficient derivative
-///           computation for cumulative B-splines on Lie groups", 2020
+///   source  Lovegrove, Patron-Perez and Sibley, "Spline Fusion", 2013; recursions: Sommer et al., "Efficient
+///           derivative computation for cumulative B-splines on Lie groups", 2020
 #pragma once
 
 #include <array>

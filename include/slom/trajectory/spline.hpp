@@ -150,8 +150,8 @@ class SplineBase {
   /// Returns whether a measurement of this spline has a time outside its segment, on this or another spline.
   bool isLeft() const;
   /// Inserts such measurements again, on the segments of their times, and extends splines where needed. A measurement
-  /// moves by at most 256 segments. If any has moved, also by the `follow` of another spline, trims this spline and ties
-  /// ends that have no such measurement. Returns the number of measurements that moved now.
+  /// moves by at most 256 segments. If any has moved, also by the `follow` of another spline, trims this spline and
+  /// ties its ends. Returns the number of measurements that moved now.
   int follow(Estimator& est);
 
  protected:
