@@ -17,7 +17,8 @@ FOLDERS = {  # in the order of the library's rooms, with the words of docs/archi
     "slom/measurements": "measurements that are ready to use", "slom/problem": "the variable and measurement table",
     "slom/linearize": "residuals and Jacobians", "slom/solve": "linear solvers", "slom/online": "fits that follow their data",
     "slom/optimize": "algorithms, options, summaries", "slom/analyze": "uncertainty and diagnostics",
-    "slom/tape": "measurement functions as data", "slom/initialize": "start values of maps",
+    "slom/tape": "measurement functions as data", "slom/trajectory": "B-splines as functions of time",
+    "slom/initialize": "start values of maps",
     "slom/io": "files", "slom/calibration": "calibration of cameras and an IMU",
 }
 MANY_FUNCTIONS = 8

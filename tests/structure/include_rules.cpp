@@ -21,12 +21,14 @@ constexpr std::array<const char*, 11> kLevels{"mtk",     "base",     "model",   
 constexpr int kMtk = 0;
 constexpr int kMeasurements = 3;
 constexpr int kFacade = static_cast<int>(kLevels.size());
-constexpr int kInitialize = kFacade + 1;
-constexpr int kIo = kFacade + 2;  // libraries of their own
-constexpr int kCalibration = kFacade + 3;
+constexpr int kTrajectory = kFacade + 1;
+constexpr int kInitialize = kFacade + 2;
+constexpr int kIo = kFacade + 3;  // libraries of their own
+constexpr int kCalibration = kFacade + 4;
 
 std::string levelName(int level) {
   return level == kFacade        ? "the facade"
+         : level == kTrajectory  ? "trajectory"
          : level == kInitialize  ? "initialize"
          : level == kIo          ? "io"
          : level == kCalibration ? "calibration"
@@ -37,6 +39,7 @@ std::string levelName(int level) {
 /// `estimator` and `archive`.
 std::optional<int> levelBelowSlom(const fs::path& path) {
   if (path.begin()->stem() == "estimator" || path.begin()->stem() == "archive") return kFacade;
+  if (path.begin()->stem() == "trajectory") return kTrajectory;
   if (path.begin()->stem() == "initialize") return kInitialize;
   if (path.begin()->stem() == "io") return kIo;
   if (path.begin()->stem() == "calibration") return kCalibration;

@@ -97,6 +97,8 @@ TEST(IncludeRules, OfReadersAndBenchmarks) {
   writeFile(root / "apps/slom/text.hpp", "");
   writeFile(root / "include/slom/estimator.hpp", "#include \"slom/io.hpp\"\n");
   writeFile(root / "include/slom/initialize/start.hpp", "#include \"slom/io/g2o.hpp\"\n");
+  writeFile(root / "include/slom/trajectory/spline.hpp",
+            "#include \"slom/estimator.hpp\"\n#include \"slom/initialize/start.hpp\"\n");
   writeFile(root / "include/slom/io.hpp", "#include \"slom/io/g2o.hpp\"\n");
   writeFile(root / "include/slom/io/g2o.hpp", "#include \"slom/estimator.hpp\"\n#include <fmt/core.h>\n");
   writeFile(root / "src/base/words.hpp", "");
@@ -115,6 +117,8 @@ TEST(IncludeRules, OfReadersAndBenchmarks) {
       "include/slom/initialize/start.hpp:1: includes slom/io/g2o.hpp: initialize may include only what stands above "
       "it, io stands below\n"
       "include/slom/io/g2o.hpp:2: includes fmt/core.h: the libraries do without it, only the command may use it\n"
+      "include/slom/trajectory/spline.hpp:2: includes slom/initialize/start.hpp: trajectory may include only what stands "
+      "above it, initialize stands below\n"
       "src/io/g2o.cpp:1: includes base/words.hpp: io is a user of the library, whose src/ is its own\n");
 }
 
