@@ -52,6 +52,57 @@ TEST(CornerFiles, WhatWasWrittenIsRead) {
   EXPECT_EQ(toCornerFile(again), toCornerFile(camera));
 }
 
+TEST(CornerFiles, TimesStay) {
+  const TemporaryFolder folder;
+  CameraData camera = rigInMemory().cameras[0];
+  for (View& view : camera.views) view.time_ns = 1404733405732800001 + 50'000'000ll * view.image;
+  camera.views[1].photo = "1404733405782800001.png";
+  const std::string text = toCornerFile(camera);
+  EXPECT_NE(text.find("t_ns,corner,"), std::string::npos);
+  const CameraData again = readCorners("left", written(folder, "left.csv", text));
+  ASSERT_EQ(again.views.size(), camera.views.size());
+  for (std::size_t v = 0; v < camera.views.size(); ++v) {
+    EXPECT_EQ(again.views[v].time_ns, camera.views[v].time_ns);
+    EXPECT_EQ(again.views[v].photo, camera.views[v].photo);
+  }
+}
+
+TEST(CornerFiles, TimesInSecondsAreExact) {
+  const TemporaryFolder folder;
+  const auto timesOf = [&](const std::string& first, const std::string& second) {
+    const std::string text =
+        "t_s" + std::string(header).substr(5) + first + ",1,0,0,0,1,2\n" + second + ",1,0,0,0,1,2\n";
+    std::vector<std::int64_t> times;
+    for (const View& view : readCorners("left", written(folder, "left.csv", text)).views)
+      times.push_back(*view.time_ns);
+    return times;
+  };
+  EXPECT_EQ(timesOf("1403715273.262142976", "1403715273.3"),
+            (std::vector<std::int64_t>{1403715273262142976, 1403715273300000000}));
+  EXPECT_EQ(timesOf("0.05", "7"), (std::vector<std::int64_t>{50'000'000, 7'000'000'000}));
+  EXPECT_EQ(messageOf([&] { timesOf("-1.5", "7"); }).substr(folder.path().string().size()),
+            "/left.csv:2: t_s is \"-1.5\"; write seconds there, as in 1403715273.262143");
+}
+
+TEST(CornerFiles, TheBoardGivesPlacesThatAreMissing) {
+  const TemporaryFolder folder;
+  const std::string file = written(folder, "left.csv", "t_ns,corner,u_px,v_px\n0,2,1,2\n0,0,3,4\n");
+  BoardOfFiles board{2, 2, 0.5};
+  Dataset data = readRig({{"left", {file}}}, "", board);
+  EXPECT_EQ(data.cameras[0].views[0].corners[0].world, vec3(0., 0.5, 0.));  // row by row
+  board.numbered = {vec3(1., 2., 3.), vec3(0., 0., 0.), vec3(4., 5., 6.)};
+  data = readRig({{"left", {file}}}, "", board);
+  EXPECT_EQ(data.cameras[0].views[0].corners[0].world, vec3(4., 5., 6.));
+  EXPECT_EQ(data.cameras[0].views[0].corners[1].world, vec3(1., 2., 3.));
+  board.numbered.pop_back();
+  EXPECT_EQ(
+      messageOf([&] {
+        readRig({{"left", {file}}}, "", board);
+      }).substr(folder.path().string().size()),
+      "/left.csv:2: the board has 2 corners and no corner 2; correct the number, or the size of the board");
+  EXPECT_NE(messageOf([&] { readCorners("left", file); }).find("the file does not say"), std::string::npos);
+}
+
 TEST(CornerFiles, NamesOfPhotographsStayInTheirLine) {
   const TemporaryFolder folder;
   CameraData camera = rigInMemory().cameras[0];

@@ -61,5 +61,12 @@ TEST(ImageNumbers, FilesWithStampsAndOldLineEndsAreRead) {
   EXPECT_EQ(data.cameras[0].views[1].corners[0].line, 4);
 }
 
+TEST(ImageNumbers, LongDigitsAreTimes) {
+  EXPECT_EQ(timeInDigits("1404733405732800001"), 1404733405732800001);
+  EXPECT_EQ(timeInDigits("1404733405732800"), 1404733405732800000);
+  EXPECT_EQ(timeInDigits("1404733405"), std::nullopt);
+  EXPECT_EQ(timeInDigits("9999999999999999999"), std::nullopt);  // beyond 64 bits
+}
+
 }  // namespace
 }  // namespace slom::calibration

@@ -107,15 +107,19 @@ void writeFiles(const Dataset& data, const Result& result, const std::optional<S
     said += fmt::format("written: {}\n", oneLine(settings.json_file));
   }
   const Unsoundness unsound = unsoundnessOf(result);
-  if (result.success() && unsound.isNone() && !settings.yaml_file.empty()) {
-    for (const OutputText& output : outputTexts(result, settings)) {
+  const bool has_imu = !streams || streams->success();
+  if (result.success() && unsound.isNone() && has_imu && !settings.yaml_file.empty()) {
+    for (const OutputText& output : outputTexts(result, streams, settings)) {
       files.add(output.file, output.text);
       said += fmt::format("written: {}\n", oneLine(output.file));
     }
   } else {
     for (const std::string& file : outputFiles(settings))
       said += fmt::format("not written, because {}: {}\n",
-                          result.success() ? unsound.because : "the fit failed", oneLine(file));
+                          !result.success() ? "the fit failed"
+                          : has_imu         ? unsound.because
+                                            : "the fit of the IMU failed",
+                          oneLine(file));
   }
   if (!settings.report_file.empty()) {
     files.add(settings.report_file, toHtml(data, result));

@@ -24,6 +24,9 @@ namespace slom::calibration {
 ///   no-pose             common images of two cameras that give no finite pose between them
 ///   imu-images          a reading of an image that no camera has
 ///   imu-open            readings that do not determine the IMU, or no readings
+///   bad-stream          readings of an IMU in motion that cannot be used: wrong units or axes, times that do not rise,
+///                       no readings while images were taken, or images without times
+///   no-motion           turns of cameras and IMU that do not correlate, so that no time offset is found
 ///   bad-file            a malformed file of corners or readings
 ///   no-board            a corner file of another program without the places of its corners, if nobody gave them
 ///   unused-board        a board given for corner files that contain the places of their corners

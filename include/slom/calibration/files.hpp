@@ -77,7 +77,8 @@ struct KalibrTarget {
 KalibrTarget readKalibrTarget(const std::string& file);
 
 /// Returns the text of a file for readCorners. Numbers have all digits, so reading the text again gives the same data.
-/// Standard deviations (Corner::sigma) have no column and are left out.
+/// Standard deviations (Corner::sigma) have no column and are left out. If all views have times, the first column is
+/// t_ns.
 std::string toCornerFile(const CameraData& camera);
 
 }  // namespace slom::calibration

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,10 @@ class ImageNumbers {
   double largest_difference_ = 0, spacing_ = 0;
   std::size_t paired_ = 0;
 };
+
+/// Returns the time [ns] that these digits state, if they are as many as those of the time since 1970 in nanoseconds (19)
+/// or microseconds (16); otherwise nothing.
+std::optional<std::int64_t> timeInDigits(const std::string& digits);
 
 /// Returns a sentence such as `image numbers are time stamps, and those of one moment differ by up to 1500 (3 % of
 /// their spacing)`; empty if nothing was paired.

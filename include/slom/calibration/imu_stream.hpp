@@ -91,7 +91,7 @@ struct StreamResult {
 ///   bad-stream    samples that are not finite, or whose times do not rise; no common time with the images; fewer than
 ///                 two images with readings between; readings in degrees, in units of gravity, or of axes of the other
 ///                 hand; images without times
-///   no-motion     angular rates of cameras and IMU that do not correlate, so that no time offset is found
+///   no-motion     angular velocities of cameras and IMU that do not correlate, so that no time offset is found
 ///   no-result     `cameras` did not succeed
 StreamResult calibrateStreams(const Dataset& data, const Settings& settings, const Result& cameras,
                               const std::vector<ImuStream>& imus, const StreamSettings& stream = {});

@@ -113,6 +113,13 @@ int ImageNumbers::of(std::size_t source, const std::string& number) const {
   return image;
 }
 
+std::optional<std::int64_t> timeInDigits(const std::string& digits) {
+  constexpr std::size_t in_us = 16, in_ns = 19;
+  std::int64_t time = 0;
+  if ((digits.size() != in_us && digits.size() != in_ns) || !io::parseNumber(digits, time)) return {};
+  return digits.size() == in_ns ? time : 1000 * time;
+}
+
 std::string sentenceOf(const ImageNumbers& numbers) {
   if (numbers.paired() == 0) return "";
   return fmt::format(

@@ -87,13 +87,11 @@ struct CornerTable {
   /// Returns the digits of the image number or time of a row.
   std::string digits(const CsvRow& row) const { return is_in_s ? row.nanoseconds(0) : row.digits(0); }
   /// Returns the time of a row, if the first column has times. Numbers of images that are as long as the time since
-  /// 1970 in microseconds or nanoseconds are times, too.
+  /// 1970 are times, too.
   std::optional<std::int64_t> time(const std::string& digits) const {
-    constexpr std::size_t in_us = 16, in_ns = 19;
     std::int64_t time = 0;
-    const bool is_time = is_in_s || is_in_ns || digits.size() == in_us || digits.size() == in_ns;
-    if (!is_time || !io::parseNumber(digits, time)) return {};
-    return is_in_s || is_in_ns || digits.size() == in_ns ? time : 1000 * time;
+    if (!is_in_s && !is_in_ns) return timeInDigits(digits);
+    return io::parseNumber(digits, time) ? std::optional(time) : std::nullopt;
   }
 
  private:

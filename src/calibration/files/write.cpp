@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cstdint>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -29,11 +31,14 @@ std::string toCornerFile(const CameraData& camera) {
     text += fmt::format("# image_size_px: {} x {}\n", camera.image_size->width, camera.image_size->height);
   for (const UnusedPhoto& photo : camera.unused)
     text += fmt::format("# {}: {}\n", oneLine(photo.file), oneLine(photo.reason));
-  text += "image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\n";
+  const bool have_times = std::all_of(camera.views.begin(), camera.views.end(),
+                                      [](const View& view) { return view.time_ns.has_value(); });
+  text += fmt::format("{},corner,world_x_m,world_y_m,world_z_m,u_px,v_px\n", have_times ? "t_ns" : "image");
   for (const View& view : camera.views) {
-    if (!view.photo.empty()) text += fmt::format("# photo {}: {}\n", view.image, oneLine(view.photo));
+    const std::int64_t image = have_times ? *view.time_ns : view.image;
+    if (!view.photo.empty()) text += fmt::format("# photo {}: {}\n", image, oneLine(view.photo));
     for (const Corner& c : view.corners) {
-      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{}\n", view.image, c.number, c.world.x(),
+      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{}\n", image, c.number, c.world.x(),
                      c.world.y(), c.world.z(), c.pixel.x(), c.pixel.y());
     }
   }

@@ -106,6 +106,7 @@ View viewOf(const Photo& photo, const Board& board, const std::vector<FoundCorne
   View view;
   view.image = photo.image;
   view.photo = photo.file;
+  view.time_ns = timeInDigits(numberInName(photo.file));
   for (const FoundCorner& corner : corners)
     view.corners.push_back({corner.index + 1, board.corner(corner.index), corner.pixel});
   return view;

@@ -11,6 +11,7 @@ namespace {
 /// Throws if a result would replace a photograph.
 void checkPaths(const CommandSettings& settings, const std::vector<CameraPhotos>& photos) {
   std::vector<NamedFile> inputs{{"--imu", settings.imu_file}};
+  for (const ImuFile& imu : settings.imu_streams) inputs.push_back({"--imu-stream " + imu.name, imu.file});
   for (const CameraPhotos& camera : photos) {
     for (const Photo& photo : camera.photos) inputs.push_back({"--images " + camera.name, photo.file});
   }

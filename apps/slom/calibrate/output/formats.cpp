@@ -8,12 +8,13 @@
 #include "error.hpp"
 
 namespace slom::app::calib {
-std::vector<OutputText> outputTexts(const Result& result, const CommandSettings& settings) {
+std::vector<OutputText> outputTexts(const Result& result, const std::optional<StreamResult>& streams,
+                                    const CommandSettings& settings) {
   switch (settings.format) {
     case OutputFormat::opencv:
       return {{settings.yaml_file, toOpencvYaml(result)}};
     case OutputFormat::kalibr:
-      return {{settings.yaml_file, toKalibrYaml(result)}};
+      return {{settings.yaml_file, toKalibrYaml(result, streams ? &streams->imus.front() : nullptr)}};
     case OutputFormat::ros:
       break;
   }

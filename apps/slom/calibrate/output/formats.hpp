@@ -15,8 +15,9 @@ struct OutputText {
   std::string text;
 };
 
-/// Returns the files of --output.
-std::vector<OutputText> outputTexts(const Result& result, const CommandSettings& settings);
+/// Returns the files of --output. `streams`: IMUs in motion, of which Kalibr's camchain has the first.
+std::vector<OutputText> outputTexts(const Result& result, const std::optional<StreamResult>& streams,
+                                    const CommandSettings& settings);
 
 /// Returns the lens as the readers of a format describe it; nothing if they know no such model.
 std::optional<ForeignLens> lensFor(OutputFormat format, const Model& model,
@@ -33,7 +34,7 @@ void requireImageSizes(const CommandSettings& settings, const std::vector<Camera
 /// Returns ROS camera_info of one camera.
 std::string toRosYaml(const CameraResult& camera);
 
-/// Returns Kalibr's camchain of all cameras. Camera n is given relative to camera n - 1.
-std::string toKalibrYaml(const Result& result);
+/// Returns Kalibr's camchain of all cameras. Camera n is given relative to camera n - 1 and, if there is one, to an IMU.
+std::string toKalibrYaml(const Result& result, const ImuStreamResult* imu = nullptr);
 
 }  // namespace slom::app::calib

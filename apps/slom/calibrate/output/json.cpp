@@ -249,7 +249,7 @@ Json stampsJson(const ImageNumbers& numbers) {
           {"spacing", numbers.spacing()}};
 }
 
-Json imuStreamJson(const ImuStreamResult& imu) {
+Json imuStreamJson(const ImuStreamResult& imu, const std::string& reference) {
   Json pose = poseJson(imu.left2imu);
   Eigen::VectorXd std(6);
   std << imu.translation_std, imu.rotation_std;
@@ -259,7 +259,7 @@ Json imuStreamJson(const ImuStreamResult& imu) {
   return {{"file", imu.file},
           {"samples", imu.samples},
           {"intervals", imu.intervals},
-          {"pose_from_cam0", std::move(pose)},
+          {"pose_from_" + reference, std::move(pose)},
           {"time_offset_s",
            {{"value", imu.time_offset},
             {"std", imu.time_offset_std},
@@ -279,9 +279,9 @@ Json imuStreamJson(const ImuStreamResult& imu) {
 }
 
 /// Adds IMUs in motion, gravity, and how their fit ended.
-void addStreams(const StreamResult& streams, Json& json) {
+void addStreams(const StreamResult& streams, const std::string& reference, Json& json) {
   Json imus = Json::object();
-  for (const ImuStreamResult& imu : streams.imus) imus[imu.name] = imuStreamJson(imu);
+  for (const ImuStreamResult& imu : streams.imus) imus[imu.name] = imuStreamJson(imu, reference);
   json["imus"] = std::move(imus);
   json["gravity"] = list(streams.gravity);
   json["gravity_direction_std"] = streams.gravity_direction_std;
@@ -357,7 +357,7 @@ std::string toJson(const Result& result, const ImageNumbers& numbers,
       {"notes", notes(result)},
       {"images", std::move(images)},
       {"quality", result.quality ? qualityJson(result) : Json()}};
-  if (streams) addStreams(*streams, json);
+  if (streams) addStreams(*streams, reference, json);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";  // names need not be UTF-8
 }
 
