@@ -1,0 +1,121 @@
+#include "calibration/hand_eye/align.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calibration/hand_eye/fourier.hpp"
+#include "calibration/median.hpp"
+
+namespace slom::calibration {
+namespace {
+
+/// A speed at equal intervals; 0 where it is unknown.
+struct Series {
+  std::vector<double> value, known;
+};
+
+enum class Speed { angular, linear };
+
+/// The speed of a track at a time, over a window.
+double speedAt(const Track& track, double time, double window, Speed kind) {
+  const auto a = track.at(time - window / 2), b = track.at(time + window / 2);
+  return kind == Speed::angular ? SO3::log(a.orient.inverse() * b.orient).norm() / window
+                                : (b.pos - a.pos).norm() / window;
+}
+
+/// Replaces each number by the median of five, which removes single wrong poses, and cuts the largest 2 %.
+void removeSpikes(Series& series) {
+  const std::vector<double> raw = series.value;
+  std::vector<double> all;
+  for (std::size_t i = 2; i + 2 < raw.size(); ++i) {
+    if (series.known[i] == 0) continue;
+    series.value[i] = medianOf({raw.begin() + std::ptrdiff_t(i) - 2, raw.begin() + std::ptrdiff_t(i) + 3});
+    all.push_back(series.value[i]);
+  }
+  if (all.empty()) return;
+  const auto high = all.begin() + std::ptrdiff_t(all.size() * 49 / 50);
+  std::nth_element(all.begin(), high, all.end());
+  for (double& value : series.value) value = std::min(value, *high);
+}
+
+Series speedOf(const Track& track, double interval, double window, Speed kind) {
+  Series series;
+  const auto count = std::size_t(track.last() / interval) + 1;
+  series.value.assign(count, 0);
+  series.known.assign(count, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double time = double(i) * interval;
+    if (!track.covers(time - window / 2) || !track.covers(time + window / 2)) continue;
+    series.value[i] = speedAt(track, time, window, kind);
+    series.known[i] = 1;
+  }
+  removeSpikes(series);
+  double sum = 0, n = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += series.known[i] * series.value[i], n += series.known[i];
+  for (std::size_t i = 0; i < count; ++i) series.value[i] = series.known[i] * (series.value[i] - sum / n);
+  return series;
+}
+
+std::vector<double> squares(std::vector<double> numbers) {
+  for (double& x : numbers) x *= x;
+  return numbers;
+}
+
+/// Pearson's correlation at each shift, over the samples that both series know.
+std::vector<ShiftCandidate> correlations(const Series& a, const Series& b, double interval, double least_overlap) {
+  const std::vector<double> n = correlated(a.known, b.known), sum_a = correlated(a.value, b.known),
+                            sum_b = correlated(a.known, b.value), sum_ab = correlated(a.value, b.value),
+                            sum_aa = correlated(squares(a.value), b.known),
+                            sum_bb = correlated(a.known, squares(b.value));
+  std::vector<ShiftCandidate> all(n.size());
+  for (std::size_t k = 0; k < n.size(); ++k) {
+    all[k].shift = (double(k) - double(a.value.size() - 1)) * interval;
+    all[k].overlap = n[k] * interval;
+    if (all[k].overlap < least_overlap || n[k] < 20) continue;
+    const double aa = sum_aa[k] - sum_a[k] * sum_a[k] / n[k], bb = sum_bb[k] - sum_b[k] * sum_b[k] / n[k];
+    if (!(aa > 0) || !(bb > 0)) continue;
+    all[k].correlation = std::clamp((sum_ab[k] - sum_a[k] * sum_b[k] / n[k]) / std::sqrt(aa * bb), -1.0, 1.0);
+    all[k].score = std::atanh(0.999 * all[k].correlation) * std::sqrt(n[k]);
+  }
+  return all;
+}
+
+/// The local maxima with the highest scores, between samples by a parabola.
+std::vector<ShiftCandidate> peaks(const std::vector<ShiftCandidate>& all, double interval) {
+  constexpr std::size_t most = 8;
+  std::vector<ShiftCandidate> found;
+  for (std::size_t k = 1; k + 1 < all.size(); ++k) {
+    const double left = all[k - 1].score, here = all[k].score, right = all[k + 1].score;
+    if (!(here > 0) || here < left || here <= right) continue;
+    found.push_back(all[k]);
+    const double curvature = left - 2 * here + right;
+    if (curvature < 0)
+      found.back().shift += interval * std::clamp((left - right) / (2 * curvature), -0.5, 0.5);
+  }
+  std::sort(found.begin(), found.end(), [](const auto& x, const auto& y) { return x.score > y.score; });
+  found.resize(std::min(found.size(), most));
+  return found;
+}
+
+}  // namespace
+
+std::vector<ShiftCandidate> shiftCandidates(const Streams& streams) {
+  const double steps = std::max(streams.hand.step(), streams.camera.step());
+  const double length = std::max(streams.hand.last(), streams.camera.last());
+  const double shorter = std::min(streams.hand.last(), streams.camera.last());
+  const double interval = std::max({steps / 2, 1e-4, length / 300'000});
+  const double window = std::max(4 * interval, std::min(0.1, 8 * interval));
+  constexpr double good = 0.5;  // correlation of angular speeds beyond which speeds are not looked at
+  std::vector<ShiftCandidate> best;
+  for (const Speed kind : {Speed::angular, Speed::linear}) {
+    std::vector<ShiftCandidate> found =
+        peaks(correlations(speedOf(streams.camera, interval, window, kind),
+                           speedOf(streams.hand, interval, window, kind), interval, shorter / 4),
+              interval);
+    if (!found.empty() && (best.empty() || found.front().score > best.front().score)) best = std::move(found);
+    if (!best.empty() && best.front().correlation > good) break;
+  }
+  return best;
+}
+
+}  // namespace slom::calibration

@@ -1,0 +1,215 @@
+#include "calibration/hand_eye/free_directions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "calibration/hand_eye/robust_alignment.hpp"
+#include "calibration/symmetric.hpp"
+
+namespace slom::calibration {
+namespace {
+
+constexpr int interest = 8;  // X, shift, scale; then Y
+constexpr double to_deg = 180 / std::numbers::pi;
+
+/// The values after a step along an unknown, in the order X, shift, scale, Y.
+HandEyeValues moved(HandEyeValues values, int unknown, double step) {
+  if (unknown == 6) {
+    values.shift += step;
+  } else if (unknown == 7) {
+    values.scale += step;
+  } else {
+    Eigen::Matrix<double, 6, 1> d = Eigen::Matrix<double, 6, 1>::Zero();
+    d[unknown % 8] = step;
+    (unknown < 6 ? values.hand_T_camera : values.base_T_target).boxplus(mtk::vectview<const double, 6>(d.data()));
+  }
+  return values;
+}
+
+/// The whitened derivative of all residuals by an unknown, by differences over a step.
+Eigen::VectorXd column(const Streams& streams, const HandEyeSettings& settings, const Items& items,
+                       const HandEyeValues& values, const HandEyeNoise& noise, int unknown, double step) {
+  const Eigen::VectorXd a = residualsAt(streams, settings, items, moved(values, unknown, -step)),
+                        b = residualsAt(streams, settings, items, moved(values, unknown, step));
+  Eigen::VectorXd difference = (b - a) / (2 * step);
+  for (Eigen::Index i = 0; i < difference.size(); i += 6) {
+    difference.segment<3>(i) /= noise.rotation_rad;
+    difference.segment<3>(i + 3) /= noise.translation_m;
+  }
+  return difference;
+}
+
+/// The information on X, shift and scale for each item, in units in which noise alone gives about 1. Y is eliminated.
+Eigen::MatrixXd informationOf(const Streams& streams, const HandEyeSettings& settings, const Items& items,
+                              const HandEyeValues& values, const HandEyeNoise& noise, const Direction& unit,
+                              double window) {
+  const int unknowns = settings.drifting ? interest : interest + 6;
+  Eigen::MatrixXd J(6 * Eigen::Index(items.size()), unknowns);
+  for (int k = 0; k < unknowns; ++k) {
+    // The difference over a window of time keeps noise of the poses from looking like motion.
+    const double step = k == 6 ? window : 1e-5;
+    J.col(k) = column(streams, settings, items, values, noise, k, step);
+    if (k < interest) J.col(k) *= unit[k];
+  }
+  if (!settings.estimate_offset || settings.pairs) J.col(6).setZero();
+  if (!settings.estimate_scale) J.col(7).setZero();
+  Eigen::MatrixXd H = J.transpose() * J / double(items.size());
+  if (!settings.drifting) {
+    const Eigen::MatrixXd YX = H.bottomLeftCorner(6, interest), YY = H.bottomRightCorner(6, 6);
+    const SymmetricEigen eigen = eigenOf(YY);
+    const double most = eigen.eigenvalues().maxCoeff();
+    const Eigen::VectorXd inverse =
+        eigen.eigenvalues().unaryExpr([&](double x) { return x > 1e-14 * most ? 1 / x : 0.0; });
+    const Eigen::MatrixXd eliminated = YX.transpose() * composed(eigen.eigenvectors(), inverse) * YX;
+    H = Eigen::MatrixXd(H.topLeftCorner(interest, interest) - eliminated);
+  }
+  return H;
+}
+
+struct Kind {
+  FreeDirection::Kind kind;
+  int first, count;
+};
+constexpr Kind kinds[] = {{FreeDirection::Kind::translation, 0, 3},
+                          {FreeDirection::Kind::rotation, 3, 3},
+                          {FreeDirection::Kind::time_offset, 6, 1},
+                          {FreeDirection::Kind::scale, 7, 1}};
+
+/// A direction of a space, and the kind of unknown that it mostly moves.
+struct NamedDirection {
+  Direction direction;
+  Kind kind;
+};
+
+/// Returns an orthonormal basis of the space with columns V, each vector as much as possible within one kind.
+std::vector<NamedDirection> namedBasis(const Eigen::MatrixXd& V) {
+  struct Axis {
+    double share;
+    NamedDirection named;
+  };
+  std::vector<Axis> axes;
+  for (const Kind& kind : kinds) {
+    const Eigen::MatrixXd part = V.middleRows(kind.first, kind.count);
+    const SymmetricEigen eigen = eigenOf(part * part.transpose());
+    for (int k = 0; k < kind.count; ++k) {
+      Direction axis = Direction::Zero();
+      axis.segment(kind.first, kind.count) = eigen.eigenvectors().col(k);
+      axes.push_back({eigen.eigenvalues()[k], {axis, kind}});
+    }
+  }
+  std::stable_sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.share > b.share; });
+  std::vector<NamedDirection> basis;
+  for (const Axis& axis : axes) {
+    if (Eigen::Index(basis.size()) == V.cols()) break;
+    Direction inside = V * (V.transpose() * axis.named.direction);
+    for (const NamedDirection& known : basis) inside -= known.direction * known.direction.dot(inside);
+    constexpr double little = 0.1;  // mostly in the span of the others
+    if (inside.norm() < little) continue;
+    basis.push_back({inside.normalized(), axis.named.kind});
+  }
+  return basis;
+}
+
+/// Root mean square turns about principal axes, in the frame of the hand.
+struct Turns {
+  Eigen::Vector3d deg;
+  Eigen::Matrix3d axes;
+};
+
+Turns turnsOf(const Streams& streams, const HandEyeSettings& settings, const Items& items, double shift) {
+  std::vector<SO3> rotations;
+  for (const RowPair& item : items) {
+    const SO3 from = streams.at(streams.rows[item.from], shift).hand.orient;
+    rotations.push_back(settings.drifting
+                            ? from.inverse() * streams.at(streams.rows[item.to], shift).hand.orient
+                            : from);
+  }
+  const SO3 mean = settings.drifting ? SO3() : averaged(rotations);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, 3);
+  for (const SO3& rotation : rotations) {
+    const Eigen::Vector3d turn = SO3::log(mean.inverse() * rotation);
+    sum += turn * turn.transpose() / double(rotations.size());
+  }
+  const SymmetricEigen eigen = eigenOf(sum);
+  const Eigen::Vector3d deg = eigen.eigenvalues().cwiseMax(0).cwiseSqrt().reverse() * to_deg;
+  return {deg, eigen.eigenvectors().rowwise().reverse()};
+}
+
+std::string axisText(Eigen::Vector3d axis) {
+  Eigen::Index largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  if (axis[largest] < 0) axis = -axis;
+  for (double& x : axis) x = std::abs(x) < 5e-4 ? 0 : x;
+  return fmt::format("({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2]);
+}
+
+/// Says what is free, why, and which motion is missing.
+std::string textOf(const FreeDirection& free, int same_kind, const Turns& turns) {
+  constexpr const char* turn_it = "turn it by 20 degrees or more about";
+  switch (free.kind) {
+    case FreeDirection::Kind::translation:
+      if (same_kind > 1)
+        return fmt::format("the translation of the camera along {} of the hand is not determined, because the hand "
+                           "hardly turns ({:.2g} degrees); {} two axes",
+                           axisText(free.axis), turns.deg[0], turn_it);
+      return fmt::format("the translation of the camera along {} of the hand is not determined, because the hand turns "
+                         "about {} only ({:.2g} degrees, {:.2g} about others); {} another axis, too",
+                         axisText(free.axis), axisText(turns.axes.col(0)), turns.deg[0], turns.deg[1], turn_it);
+    case FreeDirection::Kind::rotation:
+      return fmt::format("the rotation of the camera about {} of the hand is not determined, because the hand neither "
+                         "turns about another axis nor moves across this one; {} another axis, too",
+                         axisText(free.axis), turn_it);
+    case FreeDirection::Kind::time_offset:
+      return "the time offset is not determined, because the hand moves too slowly or evenly; turn it to and fro";
+    case FreeDirection::Kind::scale: break;
+  }
+  return "the scale is not determined, because the camera hardly moves; move it farther";
+}
+
+}  // namespace
+
+Freedom freedomOf(const Streams& streams, const HandEyeSettings& settings, const Items& items,
+                  const HandEyeValues& values, const HandEyeNoise& noise) {
+  constexpr double buried = 5;     // a response is free below this multiple of that to noise
+  constexpr double rounding = 1e-7;  // of the largest response
+  const double window = std::max(0.1, 2 * std::max(streams.hand.step(), streams.camera.step()));
+  Freedom freedom;
+  freedom.held.unit.head<3>().setConstant(noise.translation_m / noise.rotation_rad);
+  freedom.held.unit[6] = 2 * window / std::sqrt(12.0);
+  const SymmetricEigen eigen =
+      eigenOf(informationOf(streams, settings, items, values, noise, freedom.held.unit, window));
+  const Eigen::VectorXd response = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
+  const double limit = std::max(buried, rounding * response.maxCoeff());
+  const auto is_known = [&](Eigen::Index k) {  // fixed unknowns have no response
+    const bool is_offset = std::abs(eigen.eigenvectors()(6, k)) > 0.999, is_scale = std::abs(eigen.eigenvectors()(7, k)) > 0.999;
+    return (is_offset && (!settings.estimate_offset || settings.pairs)) || (is_scale && !settings.estimate_scale);
+  };
+  std::vector<Eigen::Index> columns;
+  freedom.least_response = response.maxCoeff();
+  for (Eigen::Index k = 0; k < response.size(); ++k) {
+    if (is_known(k)) continue;
+    if (response[k] < limit) columns.push_back(k);
+    else freedom.least_response = std::min(freedom.least_response, response[k]);
+  }
+  const Turns turns = turnsOf(streams, settings, items, values.shift);
+  freedom.turns_deg = vec3(turns.deg);
+  const Eigen::MatrixXd V = eigen.eigenvectors()(Eigen::all, columns);
+  const std::vector<NamedDirection> basis = columns.empty() ? std::vector<NamedDirection>() : namedBasis(V);
+  for (const NamedDirection& named : basis) {
+    freedom.held.directions.push_back(named.direction);
+    FreeDirection free{named.kind.kind, vec3(0., 0., 0.), ""};
+    const Eigen::Vector3d axis = named.direction.segment<3>(std::min(named.kind.first, 3)).normalized();
+    if (free.kind == FreeDirection::Kind::translation) free.axis = vec3(axis);
+    if (free.kind == FreeDirection::Kind::rotation) free.axis = values.hand_T_camera.orient * axis;
+    const auto same = std::count_if(basis.begin(), basis.end(),
+                                    [&](const NamedDirection& other) { return other.kind.kind == named.kind.kind; });
+    free.text = textOf(free, int(same), turns);
+    freedom.directions.push_back(std::move(free));
+  }
+  return freedom;
+}
+
+}  // namespace slom::calibration
