@@ -1,7 +1,8 @@
 // The fit of hand and eye to rows or motions.
 #pragma once
 
-#include <optional>
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <slom/slom.hpp>
@@ -11,14 +12,14 @@
 
 namespace slom::calibration {
 
-/// Standard deviation of each component of a residual.
+/// The covariance of a residual: translation [m], rotation [rad], along the axes of the camera.
 struct HandEyeNoise {
-  double rotation_rad = 0, translation_m = 0;
-};
+  using Matrix = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;
+  Matrix covariance = Matrix::Identity();
 
-/// Lengths of the residuals of a row or a motion.
-struct Misfit {
-  double rotation_rad = 0, translation_m = 0;
+  /// Returns the root mean square standard deviation of a component.
+  double translation_m() const { return std::sqrt(covariance.diagonal().head<3>().mean()); }
+  double rotation_rad() const { return std::sqrt(covariance.diagonal().tail<3>().mean()); }
 };
 
 /// A motion that does not change the residuals, or not beyond noise, by components: X (translation [m], rotation
@@ -32,7 +33,7 @@ struct Held {
 /// Rows, or pairs of rows, to be fitted.
 using Items = std::vector<RowPair>;
 
-/// The problem: X, Y, shift and scale, with two measurements for each item.
+/// The problem: X, Y, shift and scale, with a measurement for each item.
 class HandEyeProblem {
  public:
   HandEyeProblem(const Streams& streams, const HandEyeSettings& settings, const HandEyeValues& start,
@@ -60,10 +61,10 @@ class HandEyeProblem {
   Estimator est_;
 };
 
-/// Returns the residuals of all items, 6 for each: rotation [rad], then translation [m].
-Eigen::VectorXd residualsAt(const Streams& streams, const HandEyeSettings& settings, const Items& items,
-                            const HandEyeValues& values);
-/// Returns their lengths.
-std::vector<Misfit> misfitsOf(const Eigen::VectorXd& residuals);
+/// A residual: translation [m], rotation [rad].
+using Residual = Eigen::Matrix<double, 6, 1, Eigen::DontAlign>;
+/// Returns the residuals of all items.
+std::vector<Residual> residualsAt(const Streams& streams, const HandEyeSettings& settings, const Items& items,
+                                  const HandEyeValues& values);
 
 }  // namespace slom::calibration

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibration/hand_eye/robust_alignment.hpp"
+#include "calibration/median.hpp"
 #include "calibration/symmetric.hpp"
 
 namespace slom::calibration {
@@ -32,12 +33,13 @@ HandEyeValues moved(HandEyeValues values, int unknown, double step) {
 /// The whitened derivative of all residuals by an unknown, by differences over a step.
 Eigen::VectorXd column(const Streams& streams, const HandEyeSettings& settings, const Items& items,
                        const HandEyeValues& values, const HandEyeNoise& noise, int unknown, double step) {
-  const Eigen::VectorXd a = residualsAt(streams, settings, items, moved(values, unknown, -step)),
-                        b = residualsAt(streams, settings, items, moved(values, unknown, step));
-  Eigen::VectorXd difference = (b - a) / (2 * step);
-  for (Eigen::Index i = 0; i < difference.size(); i += 6) {
-    difference.segment<3>(i) /= noise.rotation_rad;
-    difference.segment<3>(i + 3) /= noise.translation_m;
+  const std::vector<Residual> a = residualsAt(streams, settings, items, moved(values, unknown, -step)),
+                              b = residualsAt(streams, settings, items, moved(values, unknown, step));
+  Eigen::VectorXd difference(6 * Eigen::Index(items.size()));
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const Residual by_step = (b[i] - a[i]) / (2 * step);
+    difference.segment<3>(6 * Eigen::Index(i)) = by_step.head<3>() / noise.translation_m();
+    difference.segment<3>(6 * Eigen::Index(i) + 3) = by_step.tail<3>() / noise.rotation_rad();
   }
   return difference;
 }
@@ -171,14 +173,41 @@ std::string textOf(const FreeDirection& free, int same_kind, const Turns& turns)
 
 }  // namespace
 
+namespace {
+
+/// The noise of each component of the poses of the interpolated stream.
+struct PoseNoise {
+  double rotation_rad = 0, translation_m = 0;
+};
+
+/// Returns it from second differences, which see little of a smooth motion.
+PoseNoise trackNoise(const Streams& streams) {
+  const std::vector<Segment>& segments = (streams.interpolates_hand ? streams.hand : streams.camera).segments();
+  std::vector<double> turns, moves;
+  for (std::size_t i = 1; i < segments.size(); ++i) {
+    turns.push_back((segments[i].turn - segments[i - 1].turn).norm());
+    moves.push_back((segments[i].move - segments[i - 1].move).norm());
+  }
+  const double per_component = median_of_length * std::sqrt(6.0);
+  return {medianOf(std::move(turns)) / per_component, medianOf(std::move(moves)) / per_component};
+}
+
+/// Returns the length of such an error in units of the noise of a residual.
+double whitened(const PoseNoise& own, const HandEyeNoise& noise) {
+  const double turn = own.rotation_rad / noise.rotation_rad(), move = own.translation_m / noise.translation_m();
+  return std::max(std::sqrt(3 * (turn * turn + move * move)), 1e-6);
+}
+
+}  // namespace
+
 Freedom freedomOf(const Streams& streams, const HandEyeSettings& settings, const Items& items,
                   const HandEyeValues& values, const HandEyeNoise& noise) {
   constexpr double buried = 5;     // a response is free below this multiple of that to noise
   constexpr double rounding = 1e-7;  // of the largest response
   const double window = std::max(0.1, 2 * std::max(streams.hand.step(), streams.camera.step()));
   Freedom freedom;
-  freedom.held.unit.head<3>().setConstant(noise.translation_m / noise.rotation_rad);
-  freedom.held.unit[6] = 2 * window / std::sqrt(12.0);
+  freedom.held.unit.head<3>().setConstant(noise.translation_m() / noise.rotation_rad());
+  freedom.held.unit[6] = 2 * window / (std::sqrt(2.0) * whitened(trackNoise(streams), noise));
   const SymmetricEigen eigen =
       eigenOf(informationOf(streams, settings, items, values, noise, freedom.held.unit, window));
   const Eigen::VectorXd response = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();

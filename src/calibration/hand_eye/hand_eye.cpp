@@ -106,25 +106,24 @@ void takeUncertainty(HandEyeProblem& problem, const HandEyeSettings& settings, c
 
 void takeResiduals(const Streams& streams, const PoseStream& stream, const HandEyeSettings& settings,
                    const RobustFit& fit, HandEyeResult& result) {
-  const std::vector<Misfit> misfits = misfitsOf(residualsAt(streams, settings, fit.items, fit.values));
+  const std::vector<Residual> residuals = residualsAt(streams, settings, fit.items, fit.values);
   std::vector<double> turns, moves;
   double turn = 0, move = 0;
-  for (std::size_t i = 0; i < misfits.size(); ++i) {
-    const Misfit& misfit = misfits[i];
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const double off_m = residuals[i].head<3>().norm(), off_rad = residuals[i].tail<3>().norm();
     const std::size_t row = streams.indices[fit.items[i].from];
     if (!fit.is_good[i]) {
-      result.outliers.push_back({stream.poses[row].t_s, stream.place(row), misfit.rotation_rad * to_deg,
-                                 misfit.translation_m});
+      result.outliers.push_back({stream.poses[row].t_s, stream.place(row), off_rad * to_deg, off_m});
       continue;
     }
-    turns.push_back(misfit.rotation_rad);
-    moves.push_back(misfit.translation_m);
-    turn += misfit.rotation_rad * misfit.rotation_rad;
-    move += misfit.translation_m * misfit.translation_m;
+    turns.push_back(off_rad);
+    moves.push_back(off_m);
+    turn += off_rad * off_rad;
+    move += off_m * off_m;
   }
   const auto size = [&](const HandEyeOutlier& outlier) {
-    return std::max(outlier.rotation_deg / to_deg / fit.noise.rotation_rad,
-                    outlier.translation_m / fit.noise.translation_m);
+    return std::max(outlier.rotation_deg / to_deg / fit.noise.rotation_rad(),
+                    outlier.translation_m / fit.noise.translation_m());
   };
   std::stable_sort(result.outliers.begin(), result.outliers.end(),
                    [&](const auto& a, const auto& b) { return size(a) > size(b); });
@@ -167,8 +166,8 @@ HandEyeResult handEye(const PoseStream& hand, const PoseStream& camera, const Ha
   result.unused = int(streams.rows.size()) - result.rows;
   result.motions = settings.drifting ? int(fit.items.size()) : 0;
   result.block_s = fit.block_s;
-  result.sigma_rotation_rad = fit.noise.rotation_rad;
-  result.sigma_translation_m = fit.noise.translation_m;
+  result.sigma_rotation_rad = fit.noise.rotation_rad();
+  result.sigma_translation_m = fit.noise.translation_m();
   takeResiduals(streams, stream, settings, fit, result);
   judge(streams, hand, camera, settings, start, freedom.least_response, result);
   takeUncertainty(problem, settings, freedom, result);

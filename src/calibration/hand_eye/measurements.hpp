@@ -35,60 +35,39 @@ auto rotationVector(const auto& R) { return std::remove_cvref_t<decltype(R)>::lo
 const auto& numberIn(const auto& x) { return x.value(); }
 }  // namespace detail
 
-/// The rotation from base_R_target target_R_camera to base_R_hand hand_R_camera, 3 [rad].
+/// The camera by the target, as seen from the camera by the hand, (hand_T_camera^-1 base_T_hand^-1) base_T_target
+/// target_T_camera: translation [m] and rotation vector [rad], both along the axes of the camera.
 template <bool kInterpolatesHand>
-struct RotationResidual {
-  RowPoses<kInterpolatesHand> poses;
-  auto operator()(const auto& X, const auto& Y, const auto& shift) const {
-    const auto hand = poses.hand(detail::numberIn(shift));
-    const auto camera = poses.camera(detail::numberIn(shift));
-    const auto by_camera = Y.orient * camera.orient;
-    const auto by_hand = hand.orient * X.orient;
-    return detail::rotationVector(by_camera.inverse() * by_hand);
-  }
-};
-
-/// The position of the camera in the base by the hand, minus that by the target, 3 [m].
-template <bool kInterpolatesHand>
-struct PositionResidual {
+struct PoseResidual {
   RowPoses<kInterpolatesHand> poses;
   auto operator()(const auto& X, const auto& Y, const auto& shift, const auto& scale) const {
     const auto hand = poses.hand(detail::numberIn(shift));
     const auto camera = poses.camera(detail::numberIn(shift));
+    const auto back = (hand.orient * X.orient).inverse();
     const auto by_hand = (hand.orient * X.pos + hand.pos).eval();
-    const auto by_camera = (Y.orient * (camera.pos * detail::numberIn(scale)) + Y.pos).eval();
-    return (by_hand - by_camera).eval();
+    const auto by_target = (Y.orient * (camera.pos * detail::numberIn(scale)) + Y.pos).eval();
+    const auto move = (back * (by_target - by_hand)).eval();
+    const auto turn = detail::rotationVector(back * (Y.orient * camera.orient));
+    return mtk::vector(move[0], move[1], move[2], turn[0], turn[1], turn[2]);
   }
 };
 
-/// The rotation from A X to X B for a motion A of the hand and B of the camera, 3 [rad].
+/// The same of a motion A of the hand and B of the camera, (A X)^-1 X B.
 template <bool kInterpolatesHand>
-struct TurnResidual {
-  RowPoses<kInterpolatesHand> from, to;
-  auto operator()(const auto& X, const auto& shift) const {
-    const auto hand_a = from.hand(detail::numberIn(shift)), hand_b = to.hand(detail::numberIn(shift));
-    const auto camera_a = from.camera(detail::numberIn(shift)), camera_b = to.camera(detail::numberIn(shift));
-    const auto A = hand_a.orient.inverse() * hand_b.orient;
-    const auto B = camera_a.orient.inverse() * camera_b.orient;
-    const auto by_camera = X.orient * B;
-    return detail::rotationVector(by_camera.inverse() * (A * X.orient));
-  }
-};
-
-/// The translation of A X minus that of X B, 3 [m].
-template <bool kInterpolatesHand>
-struct MoveResidual {
+struct MotionResidual {
   RowPoses<kInterpolatesHand> from, to;
   auto operator()(const auto& X, const auto& shift, const auto& scale) const {
     const auto hand_a = from.hand(detail::numberIn(shift)), hand_b = to.hand(detail::numberIn(shift));
     const auto camera_a = from.camera(detail::numberIn(shift)), camera_b = to.camera(detail::numberIn(shift));
-    const auto back = hand_a.orient.inverse();
-    const auto turn = back * hand_b.orient;
-    const auto move = (back * (hand_b.pos - hand_a.pos)).eval();
-    const auto seen = (camera_a.orient.inverse() * (camera_b.pos - camera_a.pos)).eval();
-    const auto by_hand = (turn * X.pos + move).eval();
+    const auto hand_back = hand_a.orient.inverse(), camera_back = camera_a.orient.inverse();
+    const auto A = hand_back * hand_b.orient;
+    const auto by_hand = (A * X.pos + hand_back * (hand_b.pos - hand_a.pos)).eval();
+    const auto seen = (camera_back * (camera_b.pos - camera_a.pos)).eval();
     const auto by_camera = (X.orient * (seen * detail::numberIn(scale)) + X.pos).eval();
-    return (by_hand - by_camera).eval();
+    const auto back = (A * X.orient).inverse();
+    const auto move = (back * (by_camera - by_hand)).eval();
+    const auto turn = detail::rotationVector(back * (X.orient * (camera_back * camera_b.orient)));
+    return mtk::vector(move[0], move[1], move[2], turn[0], turn[1], turn[2]);
   }
 };
 

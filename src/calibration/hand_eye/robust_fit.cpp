@@ -8,8 +8,8 @@
 namespace slom::calibration {
 namespace {
 
-constexpr double median_of_length = 1.5382;  // of a normal vector in space with standard deviations 1
 constexpr std::size_t least_items = 3;
+constexpr double least_move = 1e-9, least_turn = 1e-9;  // noise, relative to the extent, and [rad]
 
 Items itemsAt(const Streams& streams, const HandEyeSettings& settings, double shift) {
   const std::vector<std::size_t> rows = streams.covered(shift);
@@ -19,22 +19,52 @@ Items itemsAt(const Streams& streams, const HandEyeSettings& settings, double sh
   return items;
 }
 
-/// Returns the noise that most items show. It is never 0, so that exact data can be fitted.
-HandEyeNoise noiseOf(const std::vector<Misfit>& misfits, double extent) {
+/// Returns the noise that most items show, equal along all axes. It is never 0, so that exact data can be fitted.
+HandEyeNoise roughNoise(const std::vector<Residual>& residuals, double extent) {
   std::vector<double> turns, moves;
-  for (const Misfit& misfit : misfits) {
-    turns.push_back(misfit.rotation_rad);
-    moves.push_back(misfit.translation_m);
+  for (const Residual& residual : residuals) {
+    moves.push_back(residual.head<3>().norm());
+    turns.push_back(residual.tail<3>().norm());
   }
-  return {std::max(medianOf(std::move(turns)) / median_of_length, 1e-9),
-          std::max(medianOf(std::move(moves)) / median_of_length, 1e-9 * extent)};
+  const double move = std::max(medianOf(std::move(moves)) / median_of_length, least_move * extent),
+               turn = std::max(medianOf(std::move(turns)) / median_of_length, least_turn);
+  HandEyeNoise noise;
+  noise.covariance.diagonal().head<3>().setConstant(move * move);
+  noise.covariance.diagonal().tail<3>().setConstant(turn * turn);
+  return noise;
 }
 
-std::vector<bool> goodOnes(const std::vector<Misfit>& misfits, const HandEyeNoise& noise, double sigmas) {
+/// Returns the covariance of the residuals of good items; with few of them, equal along all axes.
+HandEyeNoise noiseOf(const std::vector<Residual>& residuals, const std::vector<bool>& is_good, double extent) {
+  constexpr double unknowns = 13, few = 60;
+  double n = 0;
+  HandEyeNoise noise;
+  noise.covariance.setZero();
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    if (!is_good[i]) continue;
+    noise.covariance += residuals[i] * residuals[i].transpose();
+    ++n;
+  }
+  noise.covariance /= std::max(n - unknowns / 6, 1.0);
+  const double move = noise.translation_m(), turn = noise.rotation_rad();
+  if (n < few) noise.covariance.setZero();
+  if (n < few) {
+    noise.covariance.diagonal().head<3>().setConstant(move * move);
+    noise.covariance.diagonal().tail<3>().setConstant(turn * turn);
+  }
+  // A floor for each component, so that exact data can be fitted.
+  const double floor_m = std::max(least_move * extent, 1e-3 * move), floor_rad = std::max(least_turn, 1e-3 * turn);
+  noise.covariance.diagonal().head<3>().array() += floor_m * floor_m;
+  noise.covariance.diagonal().tail<3>().array() += floor_rad * floor_rad;
+  return noise;
+}
+
+/// Returns for each residual whether its translation and its rotation alone are within so many standard deviations.
+std::vector<bool> goodOnes(const std::vector<Residual>& residuals, const HandEyeNoise& noise, double sigmas) {
   std::vector<bool> is_good;
-  for (const Misfit& misfit : misfits)
-    is_good.push_back(misfit.rotation_rad <= sigmas * noise.rotation_rad &&
-                      misfit.translation_m <= sigmas * noise.translation_m);
+  for (const Residual& residual : residuals)
+    is_good.push_back(residual.head<3>().norm() <= sigmas * noise.translation_m() &&
+                      residual.tail<3>().norm() <= sigmas * noise.rotation_rad());
   return is_good;
 }
 
@@ -63,9 +93,10 @@ RobustFit fitRobustly(const Streams& streams, const HandEyeSettings& settings, c
   for (int round = 0; round < most_rounds; ++round) {
     const Items items = itemsAt(streams, settings, fit.values.shift);
     if (items.size() < least_items) return fit;
-    const std::vector<Misfit> misfits = misfitsOf(residualsAt(streams, settings, items, fit.values));
-    fit.noise = noiseOf(misfits, extent);
-    const std::vector<bool> is_good = goodOnes(misfits, fit.noise, settings.outlier_sigmas);
+    const std::vector<Residual> residuals = residualsAt(streams, settings, items, fit.values);
+    fit.noise = roughNoise(residuals, extent);
+    const std::vector<bool> is_good = goodOnes(residuals, fit.noise, settings.outlier_sigmas);
+    if (round >= rounds_with_loss) fit.noise = noiseOf(residuals, is_good, extent);
     const bool has_loss = round < rounds_with_loss;
     const auto same = [](const RowPair& a, const RowPair& b) { return a.from == b.from && a.to == b.to; };
     const bool is_same = is_good == fit.is_good &&
@@ -85,22 +116,17 @@ RobustFit fitRobustly(const Streams& streams, const HandEyeSettings& settings, c
 
 HandEyeProblem finalProblem(const Streams& streams, const HandEyeSettings& settings, RobustFit& fit,
                             const Held& held) {
-  for (int round = 0; round < 2; ++round) {
+  constexpr int rounds = 3;
+  const double extent = std::max(extentOf(streams), 1e-6);
+  for (int round = 0;; ++round) {
     HandEyeProblem problem(streams, settings, fit.values, fit.noise);
     problem.insert(fit.goodItems(), Loss(), fit.block_s);
     problem.hold(held);
-    if (!problem.optimize().converged) break;
-    const VarianceComponents components =
-        varianceComponents(problem.estimator(), {.kinds = {"rotation", "translation"}});
+    if (round == rounds) return problem;
+    problem.optimize();
     fit.values = problem.values();
-    const double turn = components.at("rotation").factor, move = components.at("translation").factor;
-    if (turn > 0) fit.noise.rotation_rad *= turn;
-    if (move > 0) fit.noise.translation_m *= move;
+    fit.noise = noiseOf(residualsAt(streams, settings, fit.items, fit.values), fit.is_good, extent);
   }
-  HandEyeProblem problem(streams, settings, fit.values, fit.noise);
-  problem.insert(fit.goodItems(), Loss(), fit.block_s);
-  problem.hold(held);
-  return problem;
 }
 
 }  // namespace slom::calibration

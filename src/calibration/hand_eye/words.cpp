@@ -91,7 +91,7 @@ void judge(const Streams& streams, const PoseStream& hand, const PoseStream& cam
                   streams.interpolates_hand ? hand_name : camera_name, result);
   }
   warnOfOutliers(result, result.warnings);
-  constexpr double weak = 15;
+  constexpr double weak = 10;
   if (least_response < weak && result.free.empty())
     result.warnings.push_back(
         fmt::format("the motion is weak: it moves the residuals only {:.1f} times as much as noise does, so values may be "
