@@ -23,14 +23,49 @@ double speedAt(const Track& track, double time, double window, Speed kind) {
                                 : (b.pos - a.pos).norm() / window;
 }
 
-/// Replaces each number by the median of five, which removes single wrong poses, and cuts the largest 2 %.
-void removeSpikes(Series& series) {
-  const std::vector<double> raw = series.value;
+/// How far each pose is from the middle between its neighbours: [rad], [m]. 0 at the ends.
+struct Bends {
+  std::vector<double> turn, move;
+};
+
+Bends bendsOf(const std::vector<StampedPose>& poses) {
+  Bends bends{std::vector<double>(poses.size()), std::vector<double>(poses.size())};
+  for (std::size_t i = 1; i + 1 < poses.size(); ++i) {
+    const StampedPose &a = poses[i - 1], &b = poses[i], &c = poses[i + 1];
+    const double share = c.t_s > a.t_s ? (b.t_s - a.t_s) / (c.t_s - a.t_s) : 0.5;
+    const SO3 between = a.pose.orient * SO3::exp(SO3::log(a.pose.orient.inverse() * c.pose.orient), share);
+    bends.turn[i] = SO3::log(between.inverse() * b.pose.orient).norm();
+    bends.move[i] = (b.pose.pos - a.pose.pos - share * (c.pose.pos - a.pose.pos)).norm();
+  }
+  return bends;
+}
+
+/// Leaves out single wrong poses, which would look like fast motion.
+std::vector<StampedPose> withoutSpikes(std::vector<StampedPose> poses) {
+  constexpr int passes = 4;
+  constexpr double large = 6;  // times the median
+  for (int pass = 0; pass < passes && poses.size() > 10; ++pass) {
+    const Bends bends = bendsOf(poses);
+    const double turn = large * medianOf(bends.turn), move = large * medianOf(bends.move);
+    const auto isSpike = [&](const std::vector<double>& bend, double limit, std::size_t i) {
+      return bend[i] > limit && bend[i] >= bend[i - 1] && bend[i] >= bend[i + 1];
+    };
+    std::vector<StampedPose> kept{poses.front()};
+    for (std::size_t i = 1; i + 1 < poses.size(); ++i) {
+      if (!isSpike(bends.turn, turn, i) && !isSpike(bends.move, move, i)) kept.push_back(poses[i]);
+    }
+    kept.push_back(poses.back());
+    if (kept.size() == poses.size()) break;
+    poses = std::move(kept);
+  }
+  return poses;
+}
+
+/// Cuts the largest 2 %.
+void cutPeaks(Series& series) {
   std::vector<double> all;
-  for (std::size_t i = 2; i + 2 < raw.size(); ++i) {
-    if (series.known[i] == 0) continue;
-    series.value[i] = medianOf({raw.begin() + std::ptrdiff_t(i) - 2, raw.begin() + std::ptrdiff_t(i) + 3});
-    all.push_back(series.value[i]);
+  for (std::size_t i = 0; i < series.value.size(); ++i) {
+    if (series.known[i] != 0) all.push_back(series.value[i]);
   }
   if (all.empty()) return;
   const auto high = all.begin() + std::ptrdiff_t(all.size() * 49 / 50);
@@ -49,7 +84,7 @@ Series speedOf(const Track& track, double interval, double window, Speed kind) {
     series.value[i] = speedAt(track, time, window, kind);
     series.known[i] = 1;
   }
-  removeSpikes(series);
+  cutPeaks(series);
   double sum = 0, n = 0;
   for (std::size_t i = 0; i < count; ++i) sum += series.known[i] * series.value[i], n += series.known[i];
   for (std::size_t i = 0; i < count; ++i) series.value[i] = series.known[i] * (series.value[i] - sum / n);
@@ -99,7 +134,10 @@ std::vector<ShiftCandidate> peaks(const std::vector<ShiftCandidate>& all, double
 
 }  // namespace
 
-std::vector<ShiftCandidate> shiftCandidates(const Streams& streams) {
+std::vector<ShiftCandidate> shiftCandidates(const Streams& streams, const PoseStream& hand_stream,
+                                            const PoseStream& camera_stream) {
+  const Track hand(withoutSpikes(hand_stream.poses), streams.origin_hand),
+      camera(withoutSpikes(camera_stream.poses), streams.origin_camera);
   const double steps = std::max(streams.hand.step(), streams.camera.step());
   const double length = std::max(streams.hand.last(), streams.camera.last());
   const double shorter = std::min(streams.hand.last(), streams.camera.last());
@@ -109,8 +147,8 @@ std::vector<ShiftCandidate> shiftCandidates(const Streams& streams) {
   std::vector<ShiftCandidate> best;
   for (const Speed kind : {Speed::angular, Speed::linear}) {
     std::vector<ShiftCandidate> found =
-        peaks(correlations(speedOf(streams.camera, interval, window, kind),
-                           speedOf(streams.hand, interval, window, kind), interval, shorter / 4),
+        peaks(correlations(speedOf(camera, interval, window, kind),
+                           speedOf(hand, interval, window, kind), interval, shorter / 4),
               interval);
     if (!found.empty() && (best.empty() || found.front().score > best.front().score)) best = std::move(found);
     if (!best.empty() && best.front().correlation > good) break;

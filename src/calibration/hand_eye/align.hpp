@@ -17,6 +17,7 @@ struct ShiftCandidate {
 
 /// Returns the best shifts over the whole range in which the streams overlap, the best first. Angular speeds are
 /// compared or, if they say nothing, speeds: neither depends on frames. Empty: the streams are too short.
-std::vector<ShiftCandidate> shiftCandidates(const Streams& streams);
+std::vector<ShiftCandidate> shiftCandidates(const Streams& streams, const PoseStream& hand,
+                                            const PoseStream& camera);
 
 }  // namespace slom::calibration

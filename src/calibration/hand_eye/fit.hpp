@@ -12,13 +12,13 @@
 
 namespace slom::calibration {
 
-/// The covariance of a residual: translation [m], rotation [rad], along the axes of the camera.
+/// The covariance of a residual: translation [unit of the camera's stream], rotation [rad], along the axes of the camera.
 struct HandEyeNoise {
   using Matrix = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;
   Matrix covariance = Matrix::Identity();
 
   /// Returns the root mean square standard deviation of a component.
-  double translation_m() const { return std::sqrt(covariance.diagonal().head<3>().mean()); }
+  double translation() const { return std::sqrt(covariance.diagonal().head<3>().mean()); }
   double rotation_rad() const { return std::sqrt(covariance.diagonal().tail<3>().mean()); }
 };
 
@@ -61,7 +61,7 @@ class HandEyeProblem {
   Estimator est_;
 };
 
-/// A residual: translation [m], rotation [rad].
+/// A residual: translation [unit of the camera's stream], rotation [rad].
 using Residual = Eigen::Matrix<double, 6, 1, Eigen::DontAlign>;
 /// Returns the residuals of all items.
 std::vector<Residual> residualsAt(const Streams& streams, const HandEyeSettings& settings, const Items& items,

@@ -38,7 +38,7 @@ Eigen::VectorXd column(const Streams& streams, const HandEyeSettings& settings, 
   Eigen::VectorXd difference(6 * Eigen::Index(items.size()));
   for (std::size_t i = 0; i < items.size(); ++i) {
     const Residual by_step = (b[i] - a[i]) / (2 * step);
-    difference.segment<3>(6 * Eigen::Index(i)) = by_step.head<3>() / noise.translation_m();
+    difference.segment<3>(6 * Eigen::Index(i)) = by_step.head<3>() / noise.translation();
     difference.segment<3>(6 * Eigen::Index(i) + 3) = by_step.tail<3>() / noise.rotation_rad();
   }
   return difference;
@@ -177,11 +177,11 @@ namespace {
 
 /// The noise of each component of the poses of the interpolated stream.
 struct PoseNoise {
-  double rotation_rad = 0, translation_m = 0;
+  double rotation_rad = 0, translation = 0;  ///< translation in the unit of the camera's stream
 };
 
 /// Returns it from second differences, which see little of a smooth motion.
-PoseNoise trackNoise(const Streams& streams) {
+PoseNoise trackNoise(const Streams& streams, double scale) {
   const std::vector<Segment>& segments = (streams.interpolates_hand ? streams.hand : streams.camera).segments();
   std::vector<double> turns, moves;
   for (std::size_t i = 1; i < segments.size(); ++i) {
@@ -189,12 +189,13 @@ PoseNoise trackNoise(const Streams& streams) {
     moves.push_back((segments[i].move - segments[i - 1].move).norm());
   }
   const double per_component = median_of_length * std::sqrt(6.0);
-  return {medianOf(std::move(turns)) / per_component, medianOf(std::move(moves)) / per_component};
+  const double unit = streams.interpolates_hand ? scale : 1;
+  return {medianOf(std::move(turns)) / per_component, medianOf(std::move(moves)) / per_component / unit};
 }
 
 /// Returns the length of such an error in units of the noise of a residual.
 double whitened(const PoseNoise& own, const HandEyeNoise& noise) {
-  const double turn = own.rotation_rad / noise.rotation_rad(), move = own.translation_m / noise.translation_m();
+  const double turn = own.rotation_rad / noise.rotation_rad(), move = own.translation / noise.translation();
   return std::max(std::sqrt(3 * (turn * turn + move * move)), 1e-6);
 }
 
@@ -206,8 +207,8 @@ Freedom freedomOf(const Streams& streams, const HandEyeSettings& settings, const
   constexpr double rounding = 1e-7;  // of the largest response
   const double window = std::max(0.1, 2 * std::max(streams.hand.step(), streams.camera.step()));
   Freedom freedom;
-  freedom.held.unit.head<3>().setConstant(noise.translation_m() / noise.rotation_rad());
-  freedom.held.unit[6] = 2 * window / (std::sqrt(2.0) * whitened(trackNoise(streams), noise));
+  freedom.held.unit.head<3>().setConstant(values.scale * noise.translation() / noise.rotation_rad());
+  freedom.held.unit[6] = 2 * window / (std::sqrt(2.0) * whitened(trackNoise(streams, values.scale), noise));
   const SymmetricEigen eigen =
       eigenOf(informationOf(streams, settings, items, values, noise, freedom.held.unit, window));
   const Eigen::VectorXd response = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();

@@ -31,13 +31,14 @@ PoseStream asPairs(PoseStream stream) {
 }
 
 /// Returns start values at the shift at which the streams agree best.
-HandEyeStart startOf(const Streams& streams, const HandEyeSettings& settings) {
+HandEyeStart startOf(const Streams& streams, const PoseStream& hand, const PoseStream& camera,
+                     const HandEyeSettings& settings) {
   constexpr int least_rows = 3;
   if (settings.pairs) return startAt(streams, 0, settings);
   if (!settings.estimate_offset) return startAt(streams, streams.shiftOf(settings.time_offset_s), settings);
   HandEyeStart best;
   double least = std::numeric_limits<double>::infinity(), extent = 0;
-  for (const ShiftCandidate& candidate : shiftCandidates(streams)) {
+  for (const ShiftCandidate& candidate : shiftCandidates(streams, hand, camera)) {
     const HandEyeStart start = startAt(streams, candidate.shift, settings);
     if (start.rows < least_rows) continue;
     if (extent == 0) extent = std::max(extentOf(streams), 1e-3);
@@ -110,7 +111,7 @@ void takeResiduals(const Streams& streams, const PoseStream& stream, const HandE
   std::vector<double> turns, moves;
   double turn = 0, move = 0;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
-    const double off_m = residuals[i].head<3>().norm(), off_rad = residuals[i].tail<3>().norm();
+    const double off_m = fit.values.scale * residuals[i].head<3>().norm(), off_rad = residuals[i].tail<3>().norm();
     const std::size_t row = streams.indices[fit.items[i].from];
     if (!fit.is_good[i]) {
       result.outliers.push_back({stream.poses[row].t_s, stream.place(row), off_rad * to_deg, off_m});
@@ -123,7 +124,7 @@ void takeResiduals(const Streams& streams, const PoseStream& stream, const HandE
   }
   const auto size = [&](const HandEyeOutlier& outlier) {
     return std::max(outlier.rotation_deg / to_deg / fit.noise.rotation_rad(),
-                    outlier.translation_m / fit.noise.translation_m());
+                    outlier.translation_m / (fit.values.scale * fit.noise.translation()));
   };
   std::stable_sort(result.outliers.begin(), result.outliers.end(),
                    [&](const auto& a, const auto& b) { return size(a) > size(b); });
@@ -140,7 +141,7 @@ HandEyeResult handEye(const PoseStream& hand, const PoseStream& camera, const Ha
   checkStreams(hand, camera, settings);
   const Streams streams = settings.pairs ? Streams(asPairs(hand), asPairs(camera)) : Streams(hand, camera);
   const PoseStream& stream = streams.interpolates_hand ? camera : hand;
-  const HandEyeStart start = startOf(streams, settings);
+  const HandEyeStart start = startOf(streams, hand, camera, settings);
   requireCommonTime(start, hand, camera, settings);
   HandEyeResult result;
   if (!settings.pairs) result.warnings = noticesOf(hand);
@@ -167,7 +168,7 @@ HandEyeResult handEye(const PoseStream& hand, const PoseStream& camera, const Ha
   result.motions = settings.drifting ? int(fit.items.size()) : 0;
   result.block_s = fit.block_s;
   result.sigma_rotation_rad = fit.noise.rotation_rad();
-  result.sigma_translation_m = fit.noise.translation_m();
+  result.sigma_translation_m = fit.values.scale * fit.noise.translation();
   takeResiduals(streams, stream, settings, fit, result);
   judge(streams, hand, camera, settings, start, freedom.least_response, result);
   takeUncertainty(problem, settings, freedom, result);

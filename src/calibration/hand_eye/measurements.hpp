@@ -36,7 +36,8 @@ const auto& numberIn(const auto& x) { return x.value(); }
 }  // namespace detail
 
 /// The camera by the target, as seen from the camera by the hand, (hand_T_camera^-1 base_T_hand^-1) base_T_target
-/// target_T_camera: translation [m] and rotation vector [rad], both along the axes of the camera.
+/// target_T_camera: translation [unit of the camera's stream] and rotation vector [rad], both along the axes of the
+/// camera. In the unit of the camera, because most of the noise is its: a scale that also shrinks noise comes out too small.
 template <bool kInterpolatesHand>
 struct PoseResidual {
   RowPoses<kInterpolatesHand> poses;
@@ -46,7 +47,7 @@ struct PoseResidual {
     const auto back = (hand.orient * X.orient).inverse();
     const auto by_hand = (hand.orient * X.pos + hand.pos).eval();
     const auto by_target = (Y.orient * (camera.pos * detail::numberIn(scale)) + Y.pos).eval();
-    const auto move = (back * (by_target - by_hand)).eval();
+    const auto move = (back * (by_target - by_hand) / detail::numberIn(scale)).eval();
     const auto turn = detail::rotationVector(back * (Y.orient * camera.orient));
     return mtk::vector(move[0], move[1], move[2], turn[0], turn[1], turn[2]);
   }
@@ -65,7 +66,7 @@ struct MotionResidual {
     const auto seen = (camera_back * (camera_b.pos - camera_a.pos)).eval();
     const auto by_camera = (X.orient * (seen * detail::numberIn(scale)) + X.pos).eval();
     const auto back = (A * X.orient).inverse();
-    const auto move = (back * (by_camera - by_hand)).eval();
+    const auto move = (back * (by_camera - by_hand) / detail::numberIn(scale)).eval();
     const auto turn = detail::rotationVector(back * (X.orient * (camera_back * camera_b.orient)));
     return mtk::vector(move[0], move[1], move[2], turn[0], turn[1], turn[2]);
   }

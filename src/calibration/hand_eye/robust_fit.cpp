@@ -46,7 +46,7 @@ HandEyeNoise noiseOf(const std::vector<Residual>& residuals, const std::vector<b
     ++n;
   }
   noise.covariance /= std::max(n - unknowns / 6, 1.0);
-  const double move = noise.translation_m(), turn = noise.rotation_rad();
+  const double move = noise.translation(), turn = noise.rotation_rad();
   if (n < few) noise.covariance.setZero();
   if (n < few) {
     noise.covariance.diagonal().head<3>().setConstant(move * move);
@@ -63,7 +63,7 @@ HandEyeNoise noiseOf(const std::vector<Residual>& residuals, const std::vector<b
 std::vector<bool> goodOnes(const std::vector<Residual>& residuals, const HandEyeNoise& noise, double sigmas) {
   std::vector<bool> is_good;
   for (const Residual& residual : residuals)
-    is_good.push_back(residual.head<3>().norm() <= sigmas * noise.translation_m() &&
+    is_good.push_back(residual.head<3>().norm() <= sigmas * noise.translation() &&
                       residual.tail<3>().norm() <= sigmas * noise.rotation_rad());
   return is_good;
 }
