@@ -33,6 +33,9 @@ void expectTruth(const HandEyeResult& result, const SimulatedHand& truth, double
   for (int k = 0; k < 6; ++k) EXPECT_LT(std::abs(error[k]), sigmas * result.hand_T_camera.std[k]) << k;
 }
 
+/// Error of interpolation between poses at 100 Hz [rad], [m].
+constexpr double interpolation = 2e-5;
+
 TEST(HandEyeMotion, OneAxisLeavesTheTranslationAlongItFree) {
   for (const double noise : {1e-6, 0.005}) {
     SimulatedHand truth;
@@ -47,11 +50,13 @@ TEST(HandEyeMotion, OneAxisLeavesTheTranslationAlongItFree) {
     // What is determined is right, and has a standard deviation; the rest has none.
     EXPECT_TRUE(std::isnan(result.hand_T_camera.std[2]));
     for (const int k : {0, 1}) {
-      EXPECT_NEAR(result.hand_T_camera.pose.pos[k], truth.hand_T_camera.pos[k], 5 * result.hand_T_camera.std[k]) << k;
+      EXPECT_NEAR(result.hand_T_camera.pose.pos[k], truth.hand_T_camera.pos[k], 5 * result.hand_T_camera.std[k] + interpolation)
+          << k;
     }
-    EXPECT_LT(turnBetween(result.hand_T_camera.pose.orient, truth.hand_T_camera.orient), 6 * result.hand_T_camera.std[5] + 1e-8);
+    EXPECT_LT(turnBetween(result.hand_T_camera.pose.orient, truth.hand_T_camera.orient), 
+              6 * result.hand_T_camera.std[5] + interpolation);
     EXPECT_NEAR(result.hand_T_camera.pose.pos[2], 0, 1e-3);  // held
-    EXPECT_NEAR(result.time_offset_s.value, truth.offset, 5 * result.time_offset_s.std + 1e-6);
+    EXPECT_NEAR(result.time_offset_s.value, truth.offset, 5 * result.time_offset_s.std + interpolation);
   }
 }
 

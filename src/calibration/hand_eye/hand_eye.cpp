@@ -38,13 +38,15 @@ HandEyeStart startOf(const Streams& streams, const PoseStream& hand, const PoseS
   if (!settings.estimate_offset) return startAt(streams, streams.shiftOf(settings.time_offset_s), settings);
   HandEyeStart best;
   double least = std::numeric_limits<double>::infinity(), extent = 0;
-  for (const ShiftCandidate& candidate : shiftCandidates(streams, hand, camera)) {
+  const std::vector<ShiftCandidate> candidates = shiftCandidates(streams, hand, camera);
+  for (const ShiftCandidate& candidate : candidates) {
     const HandEyeStart start = startAt(streams, candidate.shift, settings);
     if (start.rows < least_rows) continue;
     if (extent == 0) extent = std::max(extentOf(streams), 1e-3);
     if (const double misfit = start.misfit_m + extent * start.misfit_rad; misfit < least) {
       least = misfit;
       best = start;
+      best.alike_shift = candidates.front().shift;
     }
   }
   return best;

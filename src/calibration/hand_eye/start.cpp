@@ -163,6 +163,7 @@ HandEyeStart startAt(const Streams& streams, double shift, const HandEyeSettings
   const std::vector<VectorPair> turns = turnsOf(motions);
   HandEyeStart best;
   best.rows = int(poses.size());
+  best.alike_shift = shift;
   if (turns.empty()) return best;
   const Alignment alignment = aligned(turns);
   best.misfit_rad = alignment.misfit;

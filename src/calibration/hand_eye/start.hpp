@@ -15,6 +15,7 @@ struct HandEyeStart {
   double turn_rad = 0;      ///< median turn of motions
   double misfit_m = 0;      ///< median difference of positions
   int rows = 0;
+  double alike_shift = 0;  ///< shift at which the speeds of both streams agree best, whatever their frames
   /// Misfit relative to the size of the motions.
   double relativeMisfit() const { return misfit_rad / std::max(turn_rad, 1e-300); }
 };

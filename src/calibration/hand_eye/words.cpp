@@ -31,7 +31,7 @@ void warnOfClocks(const std::string& hand, const std::string& camera, double off
   const std::string& early = offset > 0 ? camera : hand;
   if (size < epoch) {
     result.warnings.push_back(fmt::format(
-        "the stamps of {} are {:.6f} s later than those of {}; if both shall have one clock, correct the sensor that is "
+        "the stamps of {} are {:.3f} s later than those of {}; if both shall have one clock, correct the sensor that is "
         "delayed",
         late, size, early));
   } else {
@@ -104,7 +104,7 @@ void judge(const Streams& streams, const PoseStream& hand, const PoseStream& cam
   const bool agree_in_moves = result.rms_translation_m < unlike * extentOf(streams);
   const bool are_few = double(result.outliers.size()) < 0.5 * std::max(result.motions, result.rows);
   if ((turn ? agree_in_turns : agree_in_moves) && are_few) return;
-  const Inverted inverted = invertedStream(streams, start.values.shift, settings);
+  const Inverted inverted = invertedStream(streams, start.alike_shift, settings);
   result.converged = false;
   result.message = fmt::format(
       "{} and {} do not describe one motion: residuals of {:.3g} degrees and {:.3g} m remain, of turns of {:.3g} degrees",
