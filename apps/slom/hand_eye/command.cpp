@@ -72,8 +72,11 @@ calibration::HandEyeSettings settingsOf(const RawOptions& raw) {
   return settings;
 }
 
-calibration::PoseStream read(const std::string& file, bool is_inverted) {
+calibration::PoseStream read(const std::string& file, bool is_inverted, bool are_pairs) {
   calibration::PoseStream stream = calibration::readPoseStream(file);
+  if (!stream.has_times && !are_pairs)
+    throw UserError(fmt::format(
+        "{}: there is no column of times; add t_s, or pass --pairs if the rows of both files belong together", file));
   if (!is_inverted) return stream;
   for (calibration::StampedPose& pose : stream.poses) pose.pose = pose.pose.inverse();
   return stream;
@@ -97,7 +100,8 @@ void run(const RawOptions& raw) {
   const calibration::HandEyeSettings settings = settingsOf(raw);
   checkResultPaths({{"HAND", raw.hand}, {"CAMERA", raw.camera}}, {{"--json", raw.report.jsonPath()}});
   const Console console(raw.report);
-  const Streams streams{read(raw.hand, raw.invert_hand), read(raw.camera, raw.invert_camera), settings};
+  const Streams streams{read(raw.hand, raw.invert_hand, raw.pairs), read(raw.camera, raw.invert_camera, raw.pairs),
+                        settings};
   requireWritable({raw.report.jsonPath()});
   console.print(streamsText(streams));
   const calibration::HandEyeResult result = calibration::handEye(streams.hand, streams.camera, settings);

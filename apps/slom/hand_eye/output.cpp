@@ -127,6 +127,10 @@ std::string resultText(const Streams& streams, const HandEyeResult& result) {
 }
 
 std::string failureText(const HandEyeResult& result) {
+  using calibration::InverseStream;
+  if (result.inverse != InverseStream::none)
+    return fmt::format("{}: pass {}", result.message,
+                       result.inverse == InverseStream::hand ? "--invert-hand" : "--invert-camera");
   if (!result.converged) return result.message;
   return result.free.front().text;
 }

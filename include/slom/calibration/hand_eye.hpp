@@ -103,9 +103,13 @@ struct FreeDirection {
   std::string text;       ///< what is free, why, and which motion is missing
 };
 
+/// The stream that seems to have the poses of its fixed frame in its moving one.
+enum class InverseStream { none, hand, camera };
+
 struct HandEyeResult {
   bool converged = false;
   std::string message;  ///< why the fit stopped, or why it cannot be trusted
+  InverseStream inverse = InverseStream::none;  ///< searched for if the streams do not describe one motion
   std::vector<FreeDirection> free;
   std::vector<std::string> warnings;  ///< on the streams and the fit
 

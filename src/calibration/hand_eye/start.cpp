@@ -182,7 +182,7 @@ HandEyeStart startAt(const Streams& streams, double shift, const HandEyeSettings
   return best;
 }
 
-Inverted invertedStream(const Streams& streams, double shift, const HandEyeSettings& settings) {
+InverseStream inverseStream(const Streams& streams, double shift, const HandEyeSettings& settings) {
   constexpr double far_better = 4;
   const std::vector<Motion> motions = motionsAt(streams, shift, settings);
   const double misfit = aligned(turnsOf(motions)).misfit;
@@ -198,9 +198,9 @@ Inverted invertedStream(const Streams& streams, double shift, const HandEyeSetti
     }
     return pairs.empty() ? misfit : aligned(pairs).misfit;
   };
-  if (misfitWith(false) * far_better < misfit) return Inverted::camera;
-  if (misfitWith(true) * far_better < misfit) return Inverted::hand;
-  return Inverted::none;
+  if (misfitWith(false) * far_better < misfit) return InverseStream::camera;
+  if (misfitWith(true) * far_better < misfit) return InverseStream::hand;
+  return InverseStream::none;
 }
 
 }  // namespace slom::calibration

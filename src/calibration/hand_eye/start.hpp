@@ -23,9 +23,7 @@ struct HandEyeStart {
 /// Returns start values at a shift. Whatever the motion leaves free has some value. Needs 3 common rows.
 HandEyeStart startAt(const Streams& streams, double shift, const HandEyeSettings& settings);
 
-/// Which stream would explain the motions if its poses were inverted.
-enum class Inverted { none, hand, camera };
 /// Returns the stream whose inverse poses agree far better, if there is one.
-Inverted invertedStream(const Streams& streams, double shift, const HandEyeSettings& settings);
+InverseStream inverseStream(const Streams& streams, double shift, const HandEyeSettings& settings);
 
 }  // namespace slom::calibration

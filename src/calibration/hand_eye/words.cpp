@@ -104,14 +104,14 @@ void judge(const Streams& streams, const PoseStream& hand, const PoseStream& cam
   const bool agree_in_moves = result.rms_translation_m < unlike * extentOf(streams);
   const bool are_few = double(result.outliers.size()) < 0.5 * std::max(result.motions, result.rows);
   if ((turn ? agree_in_turns : agree_in_moves) && are_few) return;
-  const Inverted inverted = invertedStream(streams, start.alike_shift, settings);
+  result.inverse = inverseStream(streams, start.alike_shift, settings);
   result.converged = false;
   result.message = fmt::format(
       "{} and {} do not describe one motion: residuals of {:.3g} degrees and {:.3g} m remain, of turns of {:.3g} degrees",
       hand_name, camera_name, result.rms_rotation_deg, result.rms_translation_m, turns);
-  if (inverted != Inverted::none)
-    result.message += fmt::format("; the inverse poses of {} agree far better, so give its poses as moving frame in fixed frame",
-                                  inverted == Inverted::hand ? hand_name : camera_name);
+  if (result.inverse != InverseStream::none)
+    result.message += fmt::format("; the inverse poses of {} agree far better, so invert them",
+                                  result.inverse == InverseStream::hand ? hand_name : camera_name);
   else
     result.message += "; check that both are on one rigid body, that quaternions are qx,qy,qz,qw, and the frames of the poses";
 }
