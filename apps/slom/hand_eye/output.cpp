@@ -1,7 +1,9 @@
 #include "hand_eye/output.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -75,6 +77,15 @@ std::string outliersText(const HandEyeResult& result) {
   return text;
 }
 
+/// Returns what is free, each sentence once.
+std::vector<std::string> freeTexts(const HandEyeResult& result) {
+  std::vector<std::string> texts;
+  for (const auto& free : result.free) {
+    if (std::find(texts.begin(), texts.end(), free.text) == texts.end()) texts.push_back(free.text);
+  }
+  return texts;
+}
+
 Json jsonOf(const PoseEstimate& estimate) {
   const Eigen::Matrix3d R = estimate.pose.orient.toRotationMatrix();
   Json json;
@@ -121,7 +132,7 @@ std::string resultText(const Streams& streams, const HandEyeResult& result) {
                       result.turns_deg[0], result.turns_deg[1], result.turns_deg[2]);
   text += fmt::format("  {} left out{}\n", plural(result.outliers.size(), "outlier"), result.outliers.empty() ? "" : ":") +
           outliersText(result);
-  for (const auto& free : result.free) text += bulleted("not determined: " + free.text) + "\n";
+  for (const std::string& free : freeTexts(result)) text += bulleted("not determined: " + free) + "\n";
   for (const std::string& warning : result.warnings) text += bulleted("warning: " + oneLine(warning)) + "\n";
   return text + (result.success() ? "\nConverged; the motion determines everything.\n" : "");
 }
@@ -141,7 +152,7 @@ std::string toJson(const Streams& streams, const HandEyeResult& result) {
   json["converged"] = result.converged;
   json["message"] = result.message;
   json["undetermined"] = Json::array();
-  for (const auto& free : result.free) json["undetermined"].push_back(free.text);
+  for (const std::string& free : freeTexts(result)) json["undetermined"].push_back(free);
   json["warnings"] = result.warnings;
   json["hand_T_camera"] = jsonOf(result.hand_T_camera);
   json["base_T_target"] = result.base_T_target ? jsonOf(*result.base_T_target) : Json();

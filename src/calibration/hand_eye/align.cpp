@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "calibration/hand_eye/fourier.hpp"
 #include "calibration/median.hpp"
@@ -61,16 +62,34 @@ std::vector<StampedPose> withoutSpikes(std::vector<StampedPose> poses) {
   return poses;
 }
 
-/// Cuts the largest 2 %.
-void cutPeaks(Series& series) {
+/// Returns the speed that 2 % exceed; 0 if none is known.
+double highSpeed(const Series& series) {
   std::vector<double> all;
   for (std::size_t i = 0; i < series.value.size(); ++i) {
     if (series.known[i] != 0) all.push_back(series.value[i]);
   }
-  if (all.empty()) return;
+  if (all.empty()) return 0;
   const auto high = all.begin() + std::ptrdiff_t(all.size() * 49 / 50);
   std::nth_element(all.begin(), high, all.end());
-  for (double& value : series.value) value = std::min(value, *high);
+  return *high;
+}
+
+/// Forgets speeds above `most`, which are those of wrong poses, and cuts those above `high`.
+void cutPeaks(Series& series, double high, double most) {
+  for (std::size_t i = 0; i < series.value.size(); ++i) {
+    if (series.value[i] > most) series.known[i] = 0;
+    series.value[i] = std::min(series.value[i], high);
+  }
+}
+
+void subtractMean(Series& series) {
+  double sum = 0, n = 0;
+  for (std::size_t i = 0; i < series.value.size(); ++i) {
+    sum += series.known[i] * series.value[i];
+    n += series.known[i];
+  }
+  for (std::size_t i = 0; i < series.value.size(); ++i)
+    series.value[i] = series.known[i] * (series.value[i] - sum / std::max(n, 1.0));
 }
 
 Series speedOf(const Track& track, double interval, double window, Speed kind) {
@@ -84,11 +103,24 @@ Series speedOf(const Track& track, double interval, double window, Speed kind) {
     series.value[i] = speedAt(track, time, window, kind);
     series.known[i] = 1;
   }
-  cutPeaks(series);
-  double sum = 0, n = 0;
-  for (std::size_t i = 0; i < count; ++i) sum += series.known[i] * series.value[i], n += series.known[i];
-  for (std::size_t i = 0; i < count; ++i) series.value[i] = series.known[i] * (series.value[i] - sum / n);
   return series;
+}
+
+/// Prepares the speeds of one rigid body, seen by both streams, for their correlation.
+void prepare(Series& a, Series& b, Speed kind) {
+  const double high_a = highSpeed(a), high_b = highSpeed(b);
+  if (kind == Speed::angular) {  // both are equal, so the calmer stream says which speeds of the other are wrong
+    constexpr double margin = 1.5;
+    const double high = std::min(high_a, high_b);
+    cutPeaks(a, high, margin * high);
+    cutPeaks(b, high, margin * high);
+  } else {
+    constexpr double any = std::numeric_limits<double>::infinity();
+    cutPeaks(a, high_a, any);
+    cutPeaks(b, high_b, any);
+  }
+  subtractMean(a);
+  subtractMean(b);
 }
 
 std::vector<double> squares(std::vector<double> numbers) {
@@ -146,10 +178,9 @@ std::vector<ShiftCandidate> shiftCandidates(const Streams& streams, const PoseSt
   constexpr double good = 0.5;  // correlation of angular speeds beyond which speeds are not looked at
   std::vector<ShiftCandidate> best;
   for (const Speed kind : {Speed::angular, Speed::linear}) {
-    std::vector<ShiftCandidate> found =
-        peaks(correlations(speedOf(camera, interval, window, kind),
-                           speedOf(hand, interval, window, kind), interval, shorter / 4),
-              interval);
+    Series a = speedOf(camera, interval, window, kind), b = speedOf(hand, interval, window, kind);
+    prepare(a, b, kind);
+    std::vector<ShiftCandidate> found = peaks(correlations(a, b, interval, shorter / 4), interval);
     if (!found.empty() && (best.empty() || found.front().score > best.front().score)) best = std::move(found);
     if (!best.empty() && best.front().correlation > good) break;
   }

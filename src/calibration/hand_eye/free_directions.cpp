@@ -52,7 +52,7 @@ Eigen::MatrixXd informationOf(const Streams& streams, const HandEyeSettings& set
   Eigen::MatrixXd J(6 * Eigen::Index(items.size()), unknowns);
   for (int k = 0; k < unknowns; ++k) {
     // The difference over a window of time keeps noise of the poses from looking like motion.
-    const double step = k == 6 ? window : 1e-5;
+    const double step = k == 6 ? window : 1e-5 * (k == 7 ? unit[7] : 1);
     J.col(k) = column(streams, settings, items, values, noise, k, step);
     if (k < interest) J.col(k) *= unit[k];
   }
@@ -154,11 +154,11 @@ std::string textOf(const FreeDirection& free, int same_kind, const Turns& turns)
   switch (free.kind) {
     case FreeDirection::Kind::translation:
       if (same_kind > 1)
-        return fmt::format("the translation of the camera along {} of the hand is not determined, because the hand "
-                           "hardly turns ({:.2g} degrees); {} two axes",
-                           axisText(free.axis), turns.deg[0], turn_it);
+        return fmt::format("the translation of the camera is not determined, because the hand hardly turns ({:.1f} "
+                           "degrees); {} two axes",
+                           turns.deg[0], turn_it);
       return fmt::format("the translation of the camera along {} of the hand is not determined, because the hand turns "
-                         "about {} only ({:.2g} degrees, {:.2g} about others); {} another axis, too",
+                         "about {} only ({:.1f} degrees, {:.1f} about others); {} another axis, too",
                          axisText(free.axis), axisText(turns.axes.col(0)), turns.deg[0], turns.deg[1], turn_it);
     case FreeDirection::Kind::rotation:
       return fmt::format("the rotation of the camera about {} of the hand is not determined, because the hand neither "
@@ -209,8 +209,12 @@ Freedom freedomOf(const Streams& streams, const HandEyeSettings& settings, const
   Freedom freedom;
   freedom.held.unit.head<3>().setConstant(values.scale * noise.translation() / noise.rotation_rad());
   freedom.held.unit[6] = 2 * window / (std::sqrt(2.0) * whitened(trackNoise(streams, values.scale), noise));
-  const SymmetricEigen eigen =
-      eigenOf(informationOf(streams, settings, items, values, noise, freedom.held.unit, window));
+  freedom.held.unit[7] = values.scale;
+  const Eigen::MatrixXd information =
+      informationOf(streams, settings, items, values, noise, freedom.held.unit, window);
+  const double step = (streams.interpolates_hand ? streams.hand : streams.camera).step();
+  freedom.motion_per_step = std::sqrt(std::max(information(6, 6), 0.0)) * step / (2 * window);
+  const SymmetricEigen eigen = eigenOf(information);
   const Eigen::VectorXd response = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
   const double limit = std::max(buried, rounding * response.maxCoeff());
   const auto is_known = [&](Eigen::Index k) {  // fixed unknowns have no response

@@ -14,6 +14,8 @@ struct Freedom {
   /// The least response of the residuals to any direction that is not free, relative to that which noise alone gives. The
   /// estimates are too small by about the inverse of its square.
   double least_response = 0;
+  /// Motion between two poses of the interpolated stream, relative to their noise.
+  double motion_per_step = 0;
   vec3 turns_deg{0., 0., 0.};  ///< HandEyeResult::turns_deg
 };
 

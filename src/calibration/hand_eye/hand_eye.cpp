@@ -52,6 +52,26 @@ HandEyeStart startOf(const Streams& streams, const PoseStream& hand, const PoseS
   return best;
 }
 
+struct FitAndFreedom {
+  RobustFit fit;
+  Freedom freedom;
+};
+
+/// Fits with what is free held at its start. What is free is known for certain only after the fit.
+FitAndFreedom fitWhatIsDetermined(const Streams& streams, const HandEyeSettings& settings, const HandEyeValues& start) {
+  constexpr int most_rounds = 3;
+  RobustFit fit = unfitted(streams, settings, start);
+  Freedom freedom = freedomOf(streams, settings, fit.goodItems(), fit.values, fit.noise);
+  for (int round = 0; round < most_rounds; ++round) {
+    fit = fitRobustly(streams, settings, start, freedom.held);
+    if (fit.goodItems().size() < 3) break;
+    const std::size_t before = freedom.directions.size();
+    freedom = freedomOf(streams, settings, fit.goodItems(), fit.values, fit.noise);
+    if (freedom.directions.size() == before) break;
+  }
+  return {std::move(fit), std::move(freedom)};
+}
+
 NumberEstimate numberOf(double value, double std, double std_clustered) { return {value, std, std_clustered}; }
 
 /// Sets a component to NaN if it takes part in a free direction.
@@ -150,9 +170,8 @@ HandEyeResult handEye(const PoseStream& hand, const PoseStream& camera, const Ha
   if (!settings.pairs) {
     for (std::string& notice : noticesOf(camera)) result.warnings.push_back(std::move(notice));
   }
-  RobustFit fit = fitRobustly(streams, settings, start.values);
+  auto [fit, freedom] = fitWhatIsDetermined(streams, settings, start.values);
   requireItems(fit, streams, hand, camera);
-  const Freedom freedom = freedomOf(streams, settings, fit.goodItems(), fit.values, fit.noise);
   HandEyeProblem problem = finalProblem(streams, settings, fit, freedom.held);
   const Summary summary = problem.optimize();
   fit.values = problem.values();
@@ -172,7 +191,7 @@ HandEyeResult handEye(const PoseStream& hand, const PoseStream& camera, const Ha
   result.sigma_rotation_rad = fit.noise.rotation_rad();
   result.sigma_translation_m = fit.values.scale * fit.noise.translation();
   takeResiduals(streams, stream, settings, fit, result);
-  judge(streams, hand, camera, settings, start, freedom.least_response, result);
+  judge(streams, hand, camera, settings, start, freedom, result);
   takeUncertainty(problem, settings, freedom, result);
   return result;
 }

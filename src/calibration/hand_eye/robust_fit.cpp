@@ -85,7 +85,18 @@ Items RobustFit::goodItems() const {
   return good;
 }
 
-RobustFit fitRobustly(const Streams& streams, const HandEyeSettings& settings, const HandEyeValues& start) {
+RobustFit unfitted(const Streams& streams, const HandEyeSettings& settings, const HandEyeValues& start) {
+  RobustFit fit;
+  fit.values = start;
+  fit.items = itemsAt(streams, settings, start.shift);
+  const std::vector<Residual> residuals = residualsAt(streams, settings, fit.items, start);
+  fit.noise = roughNoise(residuals, std::max(extentOf(streams), 1e-6));
+  fit.is_good = goodOnes(residuals, fit.noise, settings.outlier_sigmas);
+  return fit;
+}
+
+RobustFit fitRobustly(const Streams& streams, const HandEyeSettings& settings, const HandEyeValues& start,
+                      const Held& held) {
   constexpr int rounds_with_loss = 3, most_rounds = 20;
   const double extent = std::max(extentOf(streams), 1e-6);
   RobustFit fit;
@@ -107,6 +118,7 @@ RobustFit fitRobustly(const Streams& streams, const HandEyeSettings& settings, c
     HandEyeProblem problem(streams, settings, fit.values, fit.noise);
     constexpr double scale_of_loss = 3;
     problem.insert(has_loss ? items : fit.goodItems(), has_loss ? Loss(Cauchy(scale_of_loss)) : Loss(), 1);
+    problem.hold(held);
     problem.optimize();
     fit.values = problem.values();
   }

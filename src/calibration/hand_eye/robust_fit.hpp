@@ -17,8 +17,13 @@ struct RobustFit {
   Items goodItems() const;
 };
 
-/// Fits with a loss from the start values; then without the outliers, until they stay the same.
-RobustFit fitRobustly(const Streams& streams, const HandEyeSettings& settings, const HandEyeValues& start);
+/// Fits with a loss from the start values; then without the outliers, until they stay the same. Holds directions that are
+/// free.
+RobustFit fitRobustly(const Streams& streams, const HandEyeSettings& settings, const HandEyeValues& start,
+                      const Held& held);
+
+/// Returns the fit of round 0: the start values, with all items and the noise that most show.
+RobustFit unfitted(const Streams& streams, const HandEyeSettings& settings, const HandEyeValues& start);
 
 /// Returns the problem of the last fit, with the noise by variance components, and sets that of `fit`.
 HandEyeProblem finalProblem(const Streams& streams, const HandEyeSettings& settings, RobustFit& fit,

@@ -74,7 +74,7 @@ struct Equations {
   std::vector<Eigen::Vector3d> y;
 };
 
-/// Solves by weights 1 / distance. What the equations leave open is 0. Returns the median distance.
+/// Solves by weights 1 / distance. What the equations leave open is 0, the scale 1. Returns the median distance.
 double solve(const Equations& equations, bool has_scale, bool has_target, Eigen::Matrix<double, 7, 1>& z) {
   std::vector<double> distances(equations.M.size(), 1);
   for (int round = 0; round < 20; ++round) {
@@ -84,7 +84,7 @@ double solve(const Equations& equations, bool has_scale, bool has_target, Eigen:
     for (std::size_t i = 0; i < equations.M.size(); ++i) {
       const double weight = least / std::max(distances[i], least);
       Eigen::Matrix<double, 3, 7> M = equations.M[i];
-      const Eigen::Vector3d y = has_scale ? equations.y[i] : Eigen::Vector3d(equations.y[i] - M.col(6));
+      const Eigen::Vector3d y = equations.y[i] - M.col(6);  // z counts from a scale of 1
       if (!has_scale) M.col(6).setZero();
       if (!has_target) M.middleCols<3>(3).setZero();
       H += weight * M.transpose() * M;
@@ -97,7 +97,7 @@ double solve(const Equations& equations, bool has_scale, bool has_target, Eigen:
       if (eigen.eigenvalues()[k] > 1e-7 * most)
         z += eigen.eigenvectors().col(k) * (eigen.eigenvectors().col(k).dot(g) / eigen.eigenvalues()[k]);
     }
-    if (!has_scale) z[6] = 1;
+    z[6] += 1;
     for (std::size_t i = 0; i < equations.M.size(); ++i)
       distances[i] = (equations.M[i] * z - equations.y[i]).norm();
   }

@@ -58,6 +58,23 @@ void warnOfOutliers(const HandEyeResult& result, std::vector<std::string>& warni
       result.outliers.size(), compared));
 }
 
+/// Warns if noise of the poses looks like motion to the fit.
+void warnOfMotion(const Streams& streams, const std::string& fast, const Freedom& freedom,
+                  const HandEyeSettings& settings, HandEyeResult& result) {
+  constexpr double weak = 10, noisy = 2;
+  if (freedom.least_response < weak && result.free.empty())
+    result.warnings.push_back(
+        fmt::format("the motion is weak: it moves the residuals only {:.1f} times as much as noise does, so values may be "
+                    "off by some percent more than stated; turn the hand farther, about several axes",
+                    freedom.least_response));
+  if (!settings.estimate_offset || settings.pairs || freedom.motion_per_step > noisy) return;
+  const Track& track = streams.interpolates_hand ? streams.hand : streams.camera;
+  result.warnings.push_back(
+      fmt::format("successive poses of {} differ by noise rather than by motion, so the time offset may be off by half "
+                  "their distance, {:.2g} s, more than stated; smooth them, or leave out rows",
+                  fast, track.step() / 2));
+}
+
 }  // namespace
 
 void requireCommonTime(const HandEyeStart& start, const PoseStream& hand, const PoseStream& camera,
@@ -82,7 +99,7 @@ void requireItems(const RobustFit& fit, const Streams& streams, const PoseStream
 }
 
 void judge(const Streams& streams, const PoseStream& hand, const PoseStream& camera,
-           const HandEyeSettings& settings, const HandEyeStart& start, double least_response,
+           const HandEyeSettings& settings, const HandEyeStart& start, const Freedom& freedom,
            HandEyeResult& result) {
   const std::string hand_name = nameOf(hand, "the hand"), camera_name = nameOf(camera, "the camera");
   if (!settings.pairs) {
@@ -91,12 +108,7 @@ void judge(const Streams& streams, const PoseStream& hand, const PoseStream& cam
                   streams.interpolates_hand ? hand_name : camera_name, result);
   }
   warnOfOutliers(result, result.warnings);
-  constexpr double weak = 10;
-  if (least_response < weak && result.free.empty())
-    result.warnings.push_back(
-        fmt::format("the motion is weak: it moves the residuals only {:.1f} times as much as noise does, so values may be "
-                    "too small by some percent; turn the hand farther, about several axes",
-                    least_response));
+  warnOfMotion(streams, streams.interpolates_hand ? hand_name : camera_name, freedom, settings, result);
   // As large as the motion itself: no motion is explained.
   constexpr double unlike = 0.5, least_turn = 5;
   const double turns = result.turns_deg.norm();
@@ -106,6 +118,7 @@ void judge(const Streams& streams, const PoseStream& hand, const PoseStream& cam
   if ((turn ? agree_in_turns : agree_in_moves) && are_few) return;
   result.inverse = inverseStream(streams, start.alike_shift, settings);
   result.converged = false;
+  result.free.clear();
   result.message = fmt::format(
       "{} and {} do not describe one motion: residuals of {:.3g} degrees and {:.3g} m remain, of turns of {:.3g} degrees",
       hand_name, camera_name, result.rms_rotation_deg, result.rms_translation_m, turns);
