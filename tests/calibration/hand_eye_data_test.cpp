@@ -59,7 +59,8 @@ TEST(HandEyeData, MotionsOverASecondHaveThePublishedMedians) {
 Eigen::Matrix<double, 7, 1> differenceOf(const HandEyeResult& a, const HandEyeResult& b) {
   Eigen::Matrix<double, 7, 1> z;
   b.hand_T_camera.pose.boxminus(mtk::vectview<double, 6>(z.data()), a.hand_T_camera.pose);
-  for (int k = 0; k < 6; ++k) z[k] /= std::hypot(a.hand_T_camera.std_clustered[k], b.hand_T_camera.std_clustered[k]);
+  for (int k = 0; k < 6; ++k)
+    z[k] /= std::hypot(a.hand_T_camera.std_clustered[k], b.hand_T_camera.std_clustered[k]);
   z[6] = (b.time_offset_s.value - a.time_offset_s.value) /
          std::hypot(a.time_offset_s.std_clustered, b.time_offset_s.std_clustered);
   return z;
@@ -70,8 +71,10 @@ TEST(HandEyeData, HalvesAgreeWithinTheirClusteredDeviations) {
   for (const Recording& recording : {robotArm(), primeSense()}) {
     const auto& poses = recording.camera.poses;
     const auto middle = poses.begin() + std::ptrdiff_t(poses.size() / 2);
-    const HandEyeResult a = handEye(recording.hand, {.file = "first half", .poses = {poses.begin(), middle}}, {}),
-                        b = handEye(recording.hand, {.file = "second half", .poses = {middle, poses.end()}}, {});
+    const HandEyeResult a = handEye(recording.hand, {.file = "first half", .poses = {poses.begin(), middle}},
+                                    {}),
+                        b = handEye(recording.hand, {.file = "second half", .poses = {middle, poses.end()}},
+                                    {});
     ASSERT_TRUE(a.converged && b.converged);
     const auto z = differenceOf(a, b);
     EXPECT_LT(z.cwiseAbs().maxCoeff(), 3) << z.transpose();

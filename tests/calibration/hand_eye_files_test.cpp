@@ -60,17 +60,21 @@ TEST(PoseFiles, WithoutTimesPosesAreCounted) {
 
 TEST(PoseFiles, Faults) {
   const std::string id = "[slom.calibration.bad-file] ";
-  EXPECT_EQ(faultOf(""), id + "poses.csv: there are no poses; write \"t_s,x_m,y_m,z_m,qx,qy,qz,qw\" and one row for each pose");
+  EXPECT_EQ(
+      faultOf(""),
+      id + "poses.csv: there are no poses; write \"t_s,x_m,y_m,z_m,qx,qy,qz,qw\" and one row for each pose");
   EXPECT_EQ(faultOf(header), faultOf(""));
   EXPECT_EQ(faultOf("t_s,x_m,y_m,qx,qy,qz,qw\n"),
             id + "poses.csv:1: the header is \"t_s,x_m,y_m,qx,qy,qz,qw\" and lacks the column z_m; write "
                  "\"t_s,x_m,y_m,z_m,qx,qy,qz,qw\"");
   EXPECT_EQ(faultOf("t_s,t_ns,x_m,y_m,z_m,qx,qy,qz,qw\n"),
             id + "poses.csv:1: t_s and t_ns name the same column; keep one of them");
-  EXPECT_EQ(faultOf("1,2,3,4,0,0,0,1\n"),
-            id + "poses.csv:1: there is no header, and numbers alone do not say what they are; put "
-                 "\"t_s,x_m,y_m,z_m,qx,qy,qz,qw\" above, or write a trajectory of TUM (t x y z qx qy qz qw, separated by "
-                 "blanks)");
+  EXPECT_EQ(
+      faultOf("1,2,3,4,0,0,0,1\n"),
+      id +
+          "poses.csv:1: there is no header, and numbers alone do not say what they are; put "
+          "\"t_s,x_m,y_m,z_m,qx,qy,qz,qw\" above, or write a trajectory of TUM (t x y z qx qy qz qw, separated by "
+          "blanks)");
   EXPECT_EQ(faultOf(header + std::string("1,2,3,4,0,0,1\n")),
             id + "poses.csv:2: the row has 7 fields instead of 8; write \"t_s,x_m,y_m,z_m,qx,qy,qz,qw\"");
   EXPECT_EQ(faultOf(header + std::string(",2,3,4,0,0,0,1\n")),
@@ -79,8 +83,9 @@ TEST(PoseFiles, Faults) {
             id + "poses.csv:2: x_m is \"nan\"; write a finite number there, or remove the row");
   EXPECT_EQ(faultOf(header + std::string("1,2e9,3,4,0,0,0,1\n")),
             id + "poses.csv:2: x_m is \"2e9\"; write metres, at most 1e7, there, or remove the row");
-  EXPECT_EQ(faultOf(header + std::string("1,2,3,4,0,0,0,0.5\n")),
-            id + "poses.csv:2: the quaternion has the length 0.5 instead of 1; correct it, or remove the row");
+  EXPECT_EQ(
+      faultOf(header + std::string("1,2,3,4,0,0,0,0.5\n")),
+      id + "poses.csv:2: the quaternion has the length 0.5 instead of 1; correct it, or remove the row");
 }
 
 /// Streams of a good recording, to be spoiled.
@@ -96,7 +101,8 @@ struct Spoiled {
 TEST(PoseStreams, TimesThatGoBackAreRefused) {
   Spoiled data;
   data.streams.camera.poses[7].t_s -= 0.2;
-  EXPECT_TRUE(data.message().starts_with("[slom.calibration.bad-stream] camera.csv:9: the time 0.15")) << data.message();
+  EXPECT_TRUE(data.message().starts_with("[slom.calibration.bad-stream] camera.csv:9: the time 0.15"))
+      << data.message();
   EXPECT_TRUE(data.message().ends_with(
       " s before the one above; sort the rows by time, or remove those of a clock that was set back"))
       << data.message();
@@ -112,18 +118,22 @@ TEST(PoseStreams, StreamsThatCannotBeUsedAreRefused) {
   EXPECT_EQ(infinite.message(), id + "camera.csv:6: the pose is not finite; leave it out");
   Spoiled standing;
   for (auto& pose : standing.streams.hand.poses) pose.t_s = 4;
-  EXPECT_EQ(standing.message(), id + "hand.csv: all poses have the same time; write the time of each, or pass pairs of poses");
+  EXPECT_EQ(standing.message(),
+            id + "hand.csv: all poses have the same time; write the time of each, or pass pairs of poses");
 }
 
 TEST(PoseStreams, BadSettingsAreRefused) {
   const std::string id = "[slom.calibration.bad-settings] ";
   Spoiled unequal;
   unequal.settings.pairs = true;
-  EXPECT_EQ(unequal.message(),
-            id + "hand.csv has 2000 poses and camera.csv has 400 poses; pairs need a row in both files for each moment");
+  EXPECT_EQ(
+      unequal.message(),
+      id +
+          "hand.csv has 2000 poses and camera.csv has 400 poses; pairs need a row in both files for each moment");
   Spoiled timeless;
   timeless.streams.camera.has_times = false;
-  EXPECT_EQ(timeless.message(), id + "camera.csv: there is no column of times; add t_s, or pass pairs of poses");
+  EXPECT_EQ(timeless.message(),
+            id + "camera.csv: there is no column of times; add t_s, or pass pairs of poses");
   Spoiled motion;
   motion.settings.motion_s = 0;
   EXPECT_EQ(motion.message(), id + "motion_s: 0 is no length of a motion; give seconds above 0");
@@ -139,14 +149,16 @@ TEST(PoseStreams, WithoutCommonTimeThereIsNothingToCompare) {
   Spoiled data;
   data.settings.estimate_offset = false;
   data.settings.time_offset_s = 100;
-  EXPECT_EQ(data.message(),
-            "[slom.calibration.no-common-time] hand.csv lasts from 0.000 s to 19.990 s, camera.csv from 0.001 s to 19.952 s: "
-            "with the time offset 100 s they have 0 rows in common; correct the offset, or let it be estimated");
+  EXPECT_EQ(
+      data.message(),
+      "[slom.calibration.no-common-time] hand.csv lasts from 0.000 s to 19.990 s, camera.csv from 0.001 s to 19.952 s: "
+      "with the time offset 100 s they have 0 rows in common; correct the offset, or let it be estimated");
   Spoiled brief;
   brief.streams.hand.poses.resize(10);
-  EXPECT_EQ(brief.message(),
-            "[slom.calibration.no-common-time] hand.csv lasts from 0.000 s to 0.090 s, camera.csv from 0.001 s to 19.952 s: "
-            "nowhere do both move alike; record one motion with both, of some seconds");
+  EXPECT_EQ(
+      brief.message(),
+      "[slom.calibration.no-common-time] hand.csv lasts from 0.000 s to 0.090 s, camera.csv from 0.001 s to 19.952 s: "
+      "nowhere do both move alike; record one motion with both, of some seconds");
 }
 
 TEST(PoseStreams, EqualStampsAndGapsAreNamed) {
@@ -157,11 +169,13 @@ TEST(PoseStreams, EqualStampsAndGapsAreNamed) {
   const auto result = handEye(data.streams.hand, data.streams.camera, {});
   ASSERT_TRUE(result.success()) << result.message;
   ASSERT_EQ(result.warnings.size(), 2u);
-  EXPECT_EQ(result.warnings[0],
-            "hand.csv:702: 1 row has the time of the row above (first at 6.990000 s); the later one is left out");
-  EXPECT_EQ(result.warnings[1],
-            "hand.csv:1102: 1 gap without poses, 1.01 s in all, the longest 1.01 s before 11.000000 s; nothing is "
-            "interpolated there");
+  EXPECT_EQ(
+      result.warnings[0],
+      "hand.csv:702: 1 row has the time of the row above (first at 6.990000 s); the later one is left out");
+  EXPECT_EQ(
+      result.warnings[1],
+      "hand.csv:1102: 1 gap without poses, 1.01 s in all, the longest 1.01 s before 11.000000 s; nothing is "
+      "interpolated there");
   EXPECT_GE(result.unused, 20);
 }
 
@@ -173,8 +187,9 @@ TEST(PoseStreams, AShortHandIsFoundInALongCamera) {
   ASSERT_TRUE(result.success()) << result.message;
   EXPECT_NEAR(result.time_offset_s.value, SimulatedHand().offset, 0.003);
   ASSERT_EQ(result.warnings.size(), 1u);
-  EXPECT_EQ(result.warnings[0],
-            "260 of 400 rows of camera.csv have no pose of hand.csv at their time; record both for the whole motion");
+  EXPECT_EQ(
+      result.warnings[0],
+      "260 of 400 rows of camera.csv have no pose of hand.csv at their time; record both for the whole motion");
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ HandEyeResult calibrated(const SimulatedHand& truth, const HandEyeSettings& sett
 }
 
 int countOf(const HandEyeResult& result, FreeDirection::Kind kind) {
-  return int(std::count_if(result.free.begin(), result.free.end(), [&](const auto& free) { return free.kind == kind; }));
+  return int(std::count_if(result.free.begin(), result.free.end(),
+                           [&](const auto& free) { return free.kind == kind; }));
 }
 
 double turnBetween(const SO3& a, const SO3& b) { return SO3::log(a.inverse() * b).norm(); }
@@ -46,14 +47,16 @@ TEST(HandEyeMotion, OneAxisLeavesTheTranslationAlongItFree) {
     ASSERT_EQ(result.free.size(), 1u) << noise;
     EXPECT_EQ(result.free[0].kind, FreeDirection::Kind::translation);
     EXPECT_NEAR(std::abs(result.free[0].axis[2]), 1, 1e-3);
-    EXPECT_EQ(result.free[0].text.substr(0, 72), "the translation of the camera along (0.000, 0.000, 1.000) of the hand is");
+    EXPECT_EQ(result.free[0].text.substr(0, 72),
+              "the translation of the camera along (0.000, 0.000, 1.000) of the hand is");
     // What is determined is right, and has a standard deviation; the rest has none.
     EXPECT_TRUE(std::isnan(result.hand_T_camera.std[2]));
     for (const int k : {0, 1}) {
-      EXPECT_NEAR(result.hand_T_camera.pose.pos[k], truth.hand_T_camera.pos[k], 5 * result.hand_T_camera.std[k] + interpolation)
+      EXPECT_NEAR(result.hand_T_camera.pose.pos[k], truth.hand_T_camera.pos[k],
+                  5 * result.hand_T_camera.std[k] + interpolation)
           << k;
     }
-    EXPECT_LT(turnBetween(result.hand_T_camera.pose.orient, truth.hand_T_camera.orient), 
+    EXPECT_LT(turnBetween(result.hand_T_camera.pose.orient, truth.hand_T_camera.orient),
               6 * result.hand_T_camera.std[5] + interpolation);
     EXPECT_NEAR(result.hand_T_camera.pose.pos[2], 0, 1e-3);  // held
     EXPECT_NEAR(result.time_offset_s.value, truth.offset, 5 * result.time_offset_s.std + interpolation);
@@ -121,15 +124,17 @@ TEST(HandEyeMotion, ADelayOfMoreThanASecondIsNamed) {
   truth.noise_m = truth.noise_rad = 0;
   const HandEyeResult result = calibrated(truth);
   ASSERT_EQ(result.warnings.size(), 1u);
-  EXPECT_EQ(result.warnings[0],
-            "the stamps of hand.csv are 1.750 s later than those of camera.csv; if both shall have one clock, correct "
-            "the sensor that is delayed");
+  EXPECT_EQ(
+      result.warnings[0],
+      "the stamps of hand.csv are 1.750 s later than those of camera.csv; if both shall have one clock, correct "
+      "the sensor that is delayed");
   truth.epoch = 1.7e9;
   const HandEyeResult other = calibrated(truth);
   ASSERT_EQ(other.warnings.size(), 1u);
-  EXPECT_EQ(other.warnings[0],
-            "the clocks of hand.csv and camera.csv have other epochs: 1700000001.750 s apart; add the offset to the times "
-            "of the camera wherever both are used");
+  EXPECT_EQ(
+      other.warnings[0],
+      "the clocks of hand.csv and camera.csv have other epochs: 1700000001.750 s apart; add the offset to the times "
+      "of the camera wherever both are used");
 }
 
 TEST(HandEyeMotion, TheFasterStreamIsInterpolatedWhicheverItIs) {

@@ -1,9 +1,8 @@
 // Single poses, row by row, beside a closed form; and the derivatives and the rank of the fit.
 #include <random>
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
+#include <gtest/gtest.h>
 
 #include <slom/slom.hpp>
 
@@ -89,14 +88,16 @@ TEST(HandEyePairs, NoisyPosesAreNearTheClosedFormAndNearerToTheTruth) {
     const HandEyeResult result = handEye(streams.hand, streams.camera, pairs());
     ASSERT_TRUE(result.success()) << seed << " " << result.message;
     const SE3 oracle = closedForm(streams);
-    EXPECT_LT((result.hand_T_camera.pose.pos - oracle.pos).norm(), 10 * result.hand_T_camera.std.head<3>().maxCoeff());
+    EXPECT_LT((result.hand_T_camera.pose.pos - oracle.pos).norm(),
+              10 * result.hand_T_camera.std.head<3>().maxCoeff());
     EXPECT_LT(SO3::log(result.hand_T_camera.pose.orient.inverse() * oracle.orient).norm(),
               10 * result.hand_T_camera.std.tail<3>().maxCoeff());
     own += (result.hand_T_camera.pose.pos - truth.hand_T_camera.pos).squaredNorm();
     closed += (oracle.pos - truth.hand_T_camera.pos).squaredNorm();
     Eigen::Matrix<double, 6, 1> error;
     result.hand_T_camera.pose.boxminus(mtk::vectview<double, 6>(error.data()), truth.hand_T_camera);
-    mean_square += error.cwiseQuotient(Eigen::Matrix<double, 6, 1>(result.hand_T_camera.std)).squaredNorm() / 6 / seeds;
+    mean_square +=
+        error.cwiseQuotient(Eigen::Matrix<double, 6, 1>(result.hand_T_camera.std)).squaredNorm() / 6 / seeds;
   }
   EXPECT_LT(own, closed);
   EXPECT_NEAR(mean_square, 1, 0.25);

@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Core>
+#include <gtest/gtest.h>
 
 #include "calibration/hand_eye_streams.hpp"
 
@@ -62,9 +61,11 @@ TEST(HandEyeStatistics, ErrorsOverStdAreUnitNormal) {
     // The camera sees the end of the motion, which the hand's stream lacks.
     outliers += streams.outliers.size();
     std::vector<std::size_t> found;
-    for (const auto& outlier : result.outliers) found.push_back(std::size_t(std::stoi(outlier.place.substr(11)) - 2));
+    for (const auto& outlier : result.outliers)
+      found.push_back(std::size_t(std::stoi(outlier.place.substr(11)) - 2));
     std::sort(found.begin(), found.end());
-    for (const std::size_t row : streams.outliers) missed += !std::binary_search(found.begin(), found.end(), row);
+    for (const std::size_t row : streams.outliers)
+      missed += !std::binary_search(found.begin(), found.end(), row);
     for (const std::size_t row : found)
       wrong += !std::binary_search(streams.outliers.begin(), streams.outliers.end(), row);
   }

@@ -28,10 +28,10 @@ struct SimulatedHand {
   double seconds = 20, hand_rate = 100, camera_rate = 20;
   double noise_m = 0.005, noise_rad = 0.005;  ///< of the camera
   double hand_noise_m = 0, hand_noise_rad = 0;
-  double offset = 0.123;    ///< t_hand - t_camera, of the stamps
-  double epoch = 0;         ///< of the hand; the camera's is 0
-  double scale = 1;         ///< true length / length in the stream of the camera
-  double outliers = 0;      ///< fraction of the rows of the camera
+  double offset = 0.123;              ///< t_hand - t_camera, of the stamps
+  double epoch = 0;                   ///< of the hand; the camera's is 0
+  double scale = 1;                   ///< true length / length in the stream of the camera
+  double outliers = 0;                ///< fraction of the rows of the camera
   double drift_m = 0, drift_rad = 0;  ///< of the target, standard deviation over a second
   unsigned seed = 1;
 
@@ -41,16 +41,22 @@ struct SimulatedHand {
 
 /// The pose of the hand in the base at a time of its clock.
 inline SE3 handAt(const SimulatedHand& truth, double t) {
-  const vec3 turn(0.5 * std::sin(1.1 * t) + 0.2 * std::sin(2.7 * t + 1), 0.4 * std::sin(0.9 * t + 2) + 0.2 * std::sin(2.3 * t),
+  const vec3 turn(0.5 * std::sin(1.1 * t) + 0.2 * std::sin(2.7 * t + 1),
+                  0.4 * std::sin(0.9 * t + 2) + 0.2 * std::sin(2.3 * t),
                   0.6 * std::sin(0.7 * t + 1) + 0.2 * std::sin(3.1 * t + 0.5));
   const vec3 move(0.3 * std::sin(0.8 * t), 0.25 * std::sin(1.3 * t + 1), 0.2 * std::sin(1.7 * t + 2));
   const SO3 start = SO3::exp(vec3(0.3, 0.9, -0.4));
   switch (truth.motion) {
-    case HandMotion::free: return {start * SO3::exp(turn), move};
-    case HandMotion::one_axis: return {start * SO3::exp(vec3(0., 0., turn[2])), move};
-    case HandMotion::one_screw: return {start * SO3::exp(vec3(0., 0., turn[2])), vec3(0.2, 0.1, 0.5)};
-    case HandMotion::translation: return {start, move};
-    case HandMotion::rest: break;
+    case HandMotion::free:
+      return {start * SO3::exp(turn), move};
+    case HandMotion::one_axis:
+      return {start * SO3::exp(vec3(0., 0., turn[2])), move};
+    case HandMotion::one_screw:
+      return {start * SO3::exp(vec3(0., 0., turn[2])), vec3(0.2, 0.1, 0.5)};
+    case HandMotion::translation:
+      return {start, move};
+    case HandMotion::rest:
+      break;
   }
   return {start, vec3(0.2, 0.1, 0.5)};
 }
@@ -79,7 +85,9 @@ inline SimulatedStreams simulated(const SimulatedHand& truth) {
   streams.camera.file = "camera.csv";
   for (int i = 0; i < int(truth.seconds * truth.hand_rate); ++i) {
     const double t = i / truth.hand_rate;
-    streams.hand.poses.push_back({t + truth.epoch, disturbed(handAt(truth, t), truth.hand_noise_m, truth.hand_noise_rad, random), i + 2});
+    streams.hand.poses.push_back(
+        {t + truth.epoch, disturbed(handAt(truth, t), truth.hand_noise_m, truth.hand_noise_rad, random),
+         i + 2});
   }
   SE3 base_T_target = truth.base_T_target;
   for (int i = 0; i < int(truth.seconds * truth.camera_rate); ++i) {

@@ -25,7 +25,8 @@ TEST(HandEyeCommand, ReportsValuesAndWritesJson) {
   const CommandResult result = runHandEye(folder, files.hand, files.camera, {"--json", "DIR/result.json"});
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.errors, "");
-  EXPECT_NE(result.output.find("  hand    hand.csv: 2000 poses in 20.0 s, 100.0 per second\n"), std::string::npos);
+  EXPECT_NE(result.output.find("  hand    hand.csv: 2000 poses in 20.0 s, 100.0 per second\n"),
+            std::string::npos);
   EXPECT_NE(result.output.find("  t_hand = t_camera + offset\n"), std::string::npos);
   EXPECT_NE(result.output.find("\nConverged; the motion determines everything.\n"), std::string::npos);
   EXPECT_TRUE(result.output.ends_with("\nwritten: result.json\n")) << result.output;
@@ -35,7 +36,8 @@ TEST(HandEyeCommand, ReportsValuesAndWritesJson) {
   EXPECT_EQ(json["hand_T_camera"]["rotation"].size(), 9u);
   for (int k = 0; k < 3; ++k) {
     const double std = json["hand_T_camera"]["std"][std::size_t(k)];
-    EXPECT_NEAR(double(json["hand_T_camera"]["translation"][std::size_t(k)]), truth.hand_T_camera.pos[k], 5 * std);
+    EXPECT_NEAR(double(json["hand_T_camera"]["translation"][std::size_t(k)]), truth.hand_T_camera.pos[k],
+                5 * std);
   }
   const double offset = json["time_offset_s"]["value"], std = json["time_offset_s"]["std"];
   EXPECT_NEAR(offset, truth.offset, 5 * std);
@@ -78,7 +80,8 @@ TEST(HandEyeCommand, WhatIsFreeEndsWithOne) {
       "slom: the translation of the camera along (0.000, 0.000, 1.000) of the hand is not determined, because the hand "
       "turns about (0.000, 0.000, 1.000) only ("))
       << result.errors;
-  EXPECT_TRUE(result.errors.ends_with("; turn it by 20 degrees or more about another axis, too\n")) << result.errors;
+  EXPECT_TRUE(result.errors.ends_with("; turn it by 20 degrees or more about another axis, too\n"))
+      << result.errors;
   const Json json = Json::parse(readFile(folder / "result.json"));
   EXPECT_EQ(json["undetermined"].size(), 1u);
   EXPECT_TRUE(json["hand_T_camera"]["std"][2].is_null());
@@ -93,8 +96,8 @@ TEST(HandEyeCommand, PairsNeedNoTimes) {
   SimulatedStreams streams = simulated(truth);
   for (std::size_t i = 0; i < streams.hand.poses.size(); ++i)
     streams.hand.poses[i].pose = handAt(truth, streams.camera.poses[i].t_s);
-  const CommandResult result =
-      runHandEye(folder, csvOf(streams.hand, false), csvOf(streams.camera, false), {"--pairs", "--json", "DIR/r.json"});
+  const CommandResult result = runHandEye(folder, csvOf(streams.hand, false), csvOf(streams.camera, false),
+                                          {"--pairs", "--json", "DIR/r.json"});
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.output.find("time offset"), std::string::npos);
   EXPECT_EQ(Json::parse(readFile(folder / "r.json"))["rows"], 40);
@@ -105,11 +108,13 @@ TEST(HandEyeCommand, BadFilesAreRefused) {
   const std::string header = "t_s,x_m,y_m,z_m,qx,qy,qz,qw\n";
   expectRefused(files.hand, header + "1,2,3,4,0,0,0,one\n",
                 "camera.csv:2: qw is \"one\"; write a number there, or remove the row");
-  expectRefused(header + "2,0,0,0,0,0,0,1\n1,0,0,0,0,0,0,1\n3,0,0,0,0,0,0,1\n", files.camera,
-                "hand.csv:3: the time 1.000000000 s is 1 s before the one above; sort the rows by time, or remove those of "
-                "a clock that was set back");
-  expectRefused("x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,1\n0,0,0,0,0,0,1\n0,0,0,0,0,0,1\n", files.camera,
-                "hand.csv: there is no column of times; add t_s, or pass --pairs if the rows of both files belong together");
+  expectRefused(
+      header + "2,0,0,0,0,0,0,1\n1,0,0,0,0,0,0,1\n3,0,0,0,0,0,0,1\n", files.camera,
+      "hand.csv:3: the time 1.000000000 s is 1 s before the one above; sort the rows by time, or remove those of "
+      "a clock that was set back");
+  expectRefused(
+      "x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,1\n0,0,0,0,0,0,1\n0,0,0,0,0,0,1\n", files.camera,
+      "hand.csv: there is no column of times; add t_s, or pass --pairs if the rows of both files belong together");
 }
 
 TEST(HandEyeCommand, BadOptionsAreRefused) {
@@ -123,8 +128,9 @@ TEST(HandEyeCommand, BadOptionsAreRefused) {
   refused("--no-offset: contradicts --offset; keep one of them", {"--no-offset", "--offset", "1"});
   refused("--pairs: contradicts --motions; keep one of them", {"--pairs", "--motions", "1"});
   refused("--pairs: contradicts --offset; keep one of them", {"--pairs", "--offset", "1"});
-  refused("hand.csv has 2000 poses and camera.csv has 400 poses; pairs need a row in both files for each moment",
-          {"--pairs"});
+  refused(
+      "hand.csv has 2000 poses and camera.csv has 400 poses; pairs need a row in both files for each moment",
+      {"--pairs"});
 }
 
 }  // namespace

@@ -20,16 +20,16 @@ inline std::string csvOf(const PoseStream& stream, bool has_times = true) {
   for (const auto& pose : stream.poses) {
     const auto& q = pose.pose.orient;
     if (has_times) text += fmt::format("{:.9f},", pose.t_s);
-    text += fmt::format("{:.9f},{:.9f},{:.9f},{:.12f},{:.12f},{:.12f},{:.12f}\n", pose.pose.pos[0], pose.pose.pos[1],
-                        pose.pose.pos[2], q.x(), q.y(), q.z(), q.w());
+    text += fmt::format("{:.9f},{:.9f},{:.9f},{:.12f},{:.12f},{:.12f},{:.12f}\n", pose.pose.pos[0],
+                        pose.pose.pos[1], pose.pose.pos[2], q.x(), q.y(), q.z(), q.w());
   }
   return text;
 }
 
 /// Runs the command on hand.csv and camera.csv with these texts; `options` may name files of the folder by DIR/.
 /// Messages are shown without the folder.
-inline CommandResult runHandEye(const TemporaryFolder& folder, const std::string& hand, const std::string& camera,
-                                std::vector<std::string> options = {}) {
+inline CommandResult runHandEye(const TemporaryFolder& folder, const std::string& hand,
+                                const std::string& camera, std::vector<std::string> options = {}) {
   writeFile(folder / "hand.csv", hand);
   writeFile(folder / "camera.csv", camera);
   std::vector<std::string> words{commandPath().string(), "hand-eye", (folder / "hand.csv").string(),

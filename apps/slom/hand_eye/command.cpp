@@ -76,7 +76,8 @@ calibration::PoseStream read(const std::string& file, bool is_inverted, bool are
   calibration::PoseStream stream = calibration::readPoseStream(file);
   if (!stream.has_times && !are_pairs)
     throw UserError(fmt::format(
-        "{}: there is no column of times; add t_s, or pass --pairs if the rows of both files belong together", file));
+        "{}: there is no column of times; add t_s, or pass --pairs if the rows of both files belong together",
+        file));
   if (!is_inverted) return stream;
   for (calibration::StampedPose& pose : stream.poses) pose.pose = pose.pose.inverse();
   return stream;
@@ -100,8 +101,8 @@ void run(const RawOptions& raw) {
   const calibration::HandEyeSettings settings = settingsOf(raw);
   checkResultPaths({{"HAND", raw.hand}, {"CAMERA", raw.camera}}, {{"--json", raw.report.jsonPath()}});
   const Console console(raw.report);
-  const Streams streams{read(raw.hand, raw.invert_hand, raw.pairs), read(raw.camera, raw.invert_camera, raw.pairs),
-                        settings};
+  const Streams streams{read(raw.hand, raw.invert_hand, raw.pairs),
+                        read(raw.camera, raw.invert_camera, raw.pairs), settings};
   requireWritable({raw.report.jsonPath()});
   console.print(streamsText(streams));
   const calibration::HandEyeResult result = calibration::handEye(streams.hand, streams.camera, settings);
@@ -123,9 +124,10 @@ void addOptions(CLI::App& command, RawOptions& raw) {
   command.add_flag("--pairs", raw.pairs,
                    "row i of HAND belongs to row i of CAMERA; times do not count and may\nbe absent");
   command
-      .add_option("--motions", raw.motions,
-                  "compare motions over this time instead of poses (A X = X B), because\nbase or target drift, as "
-                  "in odometry")
+      .add_option(
+          "--motions", raw.motions,
+          "compare motions over this time instead of poses (A X = X B), because\nbase or target drift, as "
+          "in odometry")
       ->type_name("SECONDS");
   command.add_flag("--invert-hand", raw.invert_hand, "HAND has poses of the base in the hand");
   command.add_flag("--invert-camera", raw.invert_camera,

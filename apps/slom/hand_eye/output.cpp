@@ -130,7 +130,8 @@ std::string resultText(const Streams& streams, const HandEyeResult& result) {
                       1e3 * result.median_translation_m);
   text += fmt::format("  turns of the hand about three axes: {:.3g}, {:.3g} and {:.3g} degrees RMS\n",
                       result.turns_deg[0], result.turns_deg[1], result.turns_deg[2]);
-  text += fmt::format("  {} left out{}\n", plural(result.outliers.size(), "outlier"), result.outliers.empty() ? "" : ":") +
+  text += fmt::format("  {} left out{}\n", plural(result.outliers.size(), "outlier"),
+                      result.outliers.empty() ? "" : ":") +
           outliersText(result);
   for (const std::string& free : freeTexts(result)) text += bulleted("not determined: " + free) + "\n";
   for (const std::string& warning : result.warnings) text += bulleted("warning: " + oneLine(warning)) + "\n";

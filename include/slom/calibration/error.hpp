@@ -33,6 +33,8 @@ namespace slom::calibration {
 ///   bad-question        a camera, a pixel or a distance that does not exist
 ///   nothing-to-exclude  an exclusion of a camera, an image or a corner that does not exist
 ///   copies              two cameras with the same views, or a camera with one view and copies of it
+///   bad-stream          too few poses, a pose that is not finite, times that are not in order
+///   no-common-time      streams of poses that do not overlap in time, or that nowhere move alike
 class DataError : public mtk::Error {
  public:
   /// The sentence of the error in parts, for programs that show the parts separately.

@@ -108,7 +108,7 @@ enum class InverseStream { none, hand, camera };
 
 struct HandEyeResult {
   bool converged = false;
-  std::string message;  ///< why the fit stopped, or why it cannot be trusted
+  std::string message;                          ///< why the fit stopped, or why it cannot be trusted
   InverseStream inverse = InverseStream::none;  ///< searched for if the streams do not describe one motion
   std::vector<FreeDirection> free;
   std::vector<std::string> warnings;  ///< on the streams and the fit
@@ -118,9 +118,9 @@ struct HandEyeResult {
   NumberEstimate time_offset_s;               ///< t_hand = t_camera + value
   NumberEstimate scale{1, 0, 0};              ///< of the camera's translations
 
-  int rows = 0;     ///< rows of the slower stream with a pose of the other one at their time
-  int unused = 0;   ///< rows of the slower stream without one
-  int motions = 0;  ///< if HandEyeSettings::drifting, motions compared; otherwise 0
+  int rows = 0;        ///< rows of the slower stream with a pose of the other one at their time
+  int unused = 0;      ///< rows of the slower stream without one
+  int motions = 0;     ///< if HandEyeSettings::drifting, motions compared; otherwise 0
   double block_s = 0;  ///< length of the blocks of time of std_clustered [s]; with `pairs` in rows
   std::vector<HandEyeOutlier> outliers;  ///< the worst first
   /// Residuals of the rows that are not outliers: root mean squares and medians of their lengths.

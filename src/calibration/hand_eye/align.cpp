@@ -109,7 +109,8 @@ Series speedOf(const Track& track, double interval, double window, Speed kind) {
 /// Prepares the speeds of one rigid body, seen by both streams, for their correlation.
 void prepare(Series& a, Series& b, Speed kind) {
   const double high_a = highSpeed(a), high_b = highSpeed(b);
-  if (kind == Speed::angular) {  // both are equal, so the calmer stream says which speeds of the other are wrong
+  if (kind ==
+      Speed::angular) {  // both are equal, so the calmer stream says which speeds of the other are wrong
     constexpr double margin = 1.5;
     const double high = std::min(high_a, high_b);
     cutPeaks(a, high, margin * high);
@@ -129,11 +130,14 @@ std::vector<double> squares(std::vector<double> numbers) {
 }
 
 /// Pearson's correlation at each shift, over the samples that both series know.
-std::vector<ShiftCandidate> correlations(const Series& a, const Series& b, double interval, double least_overlap) {
-  const std::vector<double> n = correlated(a.known, b.known), sum_a = correlated(a.value, b.known),
-                            sum_b = correlated(a.known, b.value), sum_ab = correlated(a.value, b.value),
-                            sum_aa = correlated(squares(a.value), b.known),
-                            sum_bb = correlated(a.known, squares(b.value));
+std::vector<ShiftCandidate> correlations(const Series& a, const Series& b, double interval,
+                                         double least_overlap) {
+  const std::vector<double> n = crossCorrelation(a.known, b.known),
+                            sum_a = crossCorrelation(a.value, b.known),
+                            sum_b = crossCorrelation(a.known, b.value),
+                            sum_ab = crossCorrelation(a.value, b.value),
+                            sum_aa = crossCorrelation(squares(a.value), b.known),
+                            sum_bb = crossCorrelation(a.known, squares(b.value));
   std::vector<ShiftCandidate> all(n.size());
   for (std::size_t k = 0; k < n.size(); ++k) {
     all[k].shift = (double(k) - double(a.value.size() - 1)) * interval;

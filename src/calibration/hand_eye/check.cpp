@@ -51,14 +51,15 @@ void checkStream(const PoseStream& stream, bool has_order) {
 void checkStreams(const PoseStream& hand, const PoseStream& camera, const HandEyeSettings& settings) {
   if (!std::isfinite(settings.time_offset_s)) badSettings("time_offset_s: not finite; give seconds");
   if (!(settings.motion_s > 0) || !std::isfinite(settings.motion_s))
-    badSettings(fmt::format("motion_s: {:g} is no length of a motion; give seconds above 0", settings.motion_s));
+    badSettings(
+        fmt::format("motion_s: {:g} is no length of a motion; give seconds above 0", settings.motion_s));
   if (!(settings.outlier_sigmas >= 2))
     badSettings(fmt::format("outlier_sigmas: {:g} takes good rows for outliers; give a number from 2 on",
                             settings.outlier_sigmas));
   for (const PoseStream* stream : {&hand, &camera}) {
     if (!settings.pairs && !stream->has_times)
-      badSettings(fmt::format("{}: there is no column of times; add t_s, or pass pairs of poses",
-                              nameOf(*stream)));
+      badSettings(
+          fmt::format("{}: there is no column of times; add t_s, or pass pairs of poses", nameOf(*stream)));
     checkStream(*stream, !settings.pairs);
   }
   if (settings.pairs && hand.poses.size() != camera.poses.size())
@@ -81,10 +82,10 @@ std::vector<std::string> noticesOf(const PoseStream& stream) {
     if (step > longest) longest = step, largest = i;
   }
   if (equal > 0)
-    notices.push_back(fmt::format("{}: {} the time of the row above (first at {:.6f} s); the later one is left out",
-                                  stream.place(first_equal),
-                                  equal == 1 ? "1 row has" : fmt::format("{} rows have", equal),
-                                  stream.poses[first_equal].t_s));
+    notices.push_back(
+        fmt::format("{}: {} the time of the row above (first at {:.6f} s); the later one is left out",
+                    stream.place(first_equal), equal == 1 ? "1 row has" : fmt::format("{} rows have", equal),
+                    stream.poses[first_equal].t_s));
   if (gaps > 0)
     notices.push_back(fmt::format(
         "{}: {} without poses, {:.3g} s in all, the longest {:.3g} s before {:.6f} s; nothing is interpolated there",

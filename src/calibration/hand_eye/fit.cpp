@@ -12,11 +12,12 @@ struct HeldResidual {
   HandEyeValues from;
   Direction direction;  ///< divided by the units
   auto operator()(const auto& X, const auto& shift, const auto& scale) const {
-    const auto turn = detail::rotationVector(from.hand_T_camera.orient.inverse() * X.orient);
+    const auto turn = turnVector(from.hand_T_camera.orient.inverse() * X.orient);
     auto sum = direction[0] * (X.pos[0] - from.hand_T_camera.pos[0]) + direction[3] * turn[0];
     for (int k = 1; k < 3; ++k)
       sum = sum + direction[k] * (X.pos[k] - from.hand_T_camera.pos[k]) + direction[3 + k] * turn[k];
-    return mtk::vector(sum + direction[6] * (shift.value() - from.shift) + direction[7] * (scale.value() - from.scale));
+    return mtk::vector(sum + direction[6] * (shift.value() - from.shift) +
+                       direction[7] * (scale.value() - from.scale));
   }
 };
 
@@ -25,7 +26,8 @@ Residual residualOf(const Streams& streams, const HandEyeSettings& settings, con
                     const HandEyeValues& values) {
   const mtk::Scalar<> shift = values.shift, scale = values.scale;
   const RowPoses<kInterpolatesHand> from(streams, item.from), to(streams, item.to);
-  if (settings.drifting) return MotionResidual<kInterpolatesHand>{from, to}(values.hand_T_camera, shift, scale);
+  if (settings.drifting)
+    return MotionResidual<kInterpolatesHand>{from, to}(values.hand_T_camera, shift, scale);
   return PoseResidual<kInterpolatesHand>{from}(values.hand_T_camera, values.base_T_target, shift, scale);
 }
 
@@ -36,7 +38,8 @@ HandEyeProblem::HandEyeProblem(const Streams& streams, const HandEyeSettings& se
     : streams_(streams), settings_(settings), noise_(noise) {
   X = est_.insertRV(start.hand_T_camera, true, "hand_T_camera");
   Y = est_.insertRV(start.base_T_target, !settings.drifting, "base_T_target");
-  shift = est_.insertRV(mtk::Scalar<>(start.shift), settings.estimate_offset && !settings.pairs, "time_offset");
+  shift =
+      est_.insertRV(mtk::Scalar<>(start.shift), settings.estimate_offset && !settings.pairs, "time_offset");
   scale = est_.insertRV(mtk::Scalar<>(start.scale), settings.estimate_scale, "scale");
   est_.changeAlgorithm(LevenbergMarquardt());
 }
@@ -47,9 +50,11 @@ void HandEyeProblem::insertItem(const RowPair& item, const Loss& loss, std::int6
   const Covariance noise(noise_.covariance);
   const Group time = group("time", block);
   if (settings_.drifting)
-    est_.insertMeasurement(MotionResidual<kInterpolatesHand>{from, to}, X, shift, scale, noise, loss, named("motion"), time);
+    est_.insertMeasurement(MotionResidual<kInterpolatesHand>{from, to}, X, shift, scale, noise, loss,
+                           named("motion"), time);
   else
-    est_.insertMeasurement(PoseResidual<kInterpolatesHand>{from}, X, Y, shift, scale, noise, loss, named("pose"), time);
+    est_.insertMeasurement(PoseResidual<kInterpolatesHand>{from}, X, Y, shift, scale, noise, loss,
+                           named("pose"), time);
 }
 
 void HandEyeProblem::insert(const Items& items, const Loss& loss, double block_s) {
@@ -69,7 +74,8 @@ void HandEyeProblem::hold(const Held& held) {
     // A translation along an axis is held at 0, others where they are.
     const Direction scaled = direction.cwiseQuotient(held.unit);
     if (const double along = direction.head<3>().squaredNorm(); along > 0.9) from.hand_T_camera.pos.setZero();
-    est_.insertMeasurement(HeldResidual{from, scaled}, X, shift, scale, StandardDeviation(firm), named("held"));
+    est_.insertMeasurement(HeldResidual{from, scaled}, X, shift, scale, StandardDeviation(firm),
+                           named("held"));
   }
 }
 

@@ -23,7 +23,8 @@ void transform(std::vector<Complex>& x) {
   }
   for (std::size_t half = 1; half < n; half *= 2) {
     std::vector<Complex> turn(half);
-    for (std::size_t k = 0; k < half; ++k) turn[k] = std::polar(1.0, -std::numbers::pi * double(k) / double(half));
+    for (std::size_t k = 0; k < half; ++k)
+      turn[k] = std::polar(1.0, -std::numbers::pi * double(k) / double(half));
     for (std::size_t i = 0; i < n; i += 2 * half) {
       for (std::size_t k = 0; k < half; ++k) {
         const Complex even = x[i + k], odd = turn[k] * x[i + k + half];
@@ -36,7 +37,7 @@ void transform(std::vector<Complex>& x) {
 
 }  // namespace
 
-std::vector<double> correlated(const std::vector<double>& a, const std::vector<double>& b) {
+std::vector<double> crossCorrelation(const std::vector<double>& a, const std::vector<double>& b) {
   const std::size_t count = a.size() + b.size() - 1;
   std::size_t n = 1;
   while (n < count) n *= 2;

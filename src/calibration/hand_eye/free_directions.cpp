@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include <fmt/format.h>
-
-#include "calibration/hand_eye/robust_alignment.hpp"
+#include "calibration/hand_eye/turns.hpp"
 #include "calibration/median.hpp"
 #include "calibration/symmetric.hpp"
 
@@ -14,7 +11,6 @@ namespace slom::calibration {
 namespace {
 
 constexpr int interest = 8;  // X, shift, scale; then Y
-constexpr double to_deg = 180 / std::numbers::pi;
 
 /// The values after a step along an unknown, in the order X, shift, scale, Y.
 HandEyeValues moved(HandEyeValues values, int unknown, double step) {
@@ -25,7 +21,8 @@ HandEyeValues moved(HandEyeValues values, int unknown, double step) {
   } else {
     Eigen::Matrix<double, 6, 1> d = Eigen::Matrix<double, 6, 1>::Zero();
     d[unknown % 8] = step;
-    (unknown < 6 ? values.hand_T_camera : values.base_T_target).boxplus(mtk::vectview<const double, 6>(d.data()));
+    (unknown < 6 ? values.hand_T_camera : values.base_T_target)
+        .boxplus(mtk::vectview<const double, 6>(d.data()));
   }
   return values;
 }
@@ -71,19 +68,19 @@ Eigen::MatrixXd informationOf(const Streams& streams, const HandEyeSettings& set
   return H;
 }
 
-struct Kind {
+struct UnknownKind {
   FreeDirection::Kind kind;
   int first, count;
 };
-constexpr Kind kinds[] = {{FreeDirection::Kind::translation, 0, 3},
-                          {FreeDirection::Kind::rotation, 3, 3},
-                          {FreeDirection::Kind::time_offset, 6, 1},
-                          {FreeDirection::Kind::scale, 7, 1}};
+constexpr UnknownKind unknown_kinds[] = {{FreeDirection::Kind::translation, 0, 3},
+                                         {FreeDirection::Kind::rotation, 3, 3},
+                                         {FreeDirection::Kind::time_offset, 6, 1},
+                                         {FreeDirection::Kind::scale, 7, 1}};
 
 /// A direction of a space, and the kind of unknown that it mostly moves.
 struct NamedDirection {
   Direction direction;
-  Kind kind;
+  UnknownKind kind;
 };
 
 /// Returns an orthonormal basis of the space with columns V, each vector as much as possible within one kind.
@@ -93,7 +90,7 @@ std::vector<NamedDirection> namedBasis(const Eigen::MatrixXd& V) {
     NamedDirection named;
   };
   std::vector<Axis> axes;
-  for (const Kind& kind : kinds) {
+  for (const UnknownKind& kind : unknown_kinds) {
     const Eigen::MatrixXd part = V.middleRows(kind.first, kind.count);
     const SymmetricEigen eigen = eigenOf(part * part.transpose());
     for (int k = 0; k < kind.count; ++k) {
@@ -115,66 +112,6 @@ std::vector<NamedDirection> namedBasis(const Eigen::MatrixXd& V) {
   return basis;
 }
 
-/// Root mean square turns about principal axes, in the frame of the hand.
-struct Turns {
-  Eigen::Vector3d deg;
-  Eigen::Matrix3d axes;
-};
-
-Turns turnsOf(const Streams& streams, const HandEyeSettings& settings, const Items& items, double shift) {
-  std::vector<SO3> rotations;
-  for (const RowPair& item : items) {
-    const SO3 from = streams.at(streams.rows[item.from], shift).hand.orient;
-    rotations.push_back(settings.drifting
-                            ? from.inverse() * streams.at(streams.rows[item.to], shift).hand.orient
-                            : from);
-  }
-  const SO3 mean = settings.drifting ? SO3() : averaged(rotations);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3, 3);
-  for (const SO3& rotation : rotations) {
-    const Eigen::Vector3d turn = SO3::log(mean.inverse() * rotation);
-    sum += turn * turn.transpose() / double(rotations.size());
-  }
-  const SymmetricEigen eigen = eigenOf(sum);
-  const Eigen::Vector3d deg = eigen.eigenvalues().cwiseMax(0).cwiseSqrt().reverse() * to_deg;
-  return {deg, eigen.eigenvectors().rowwise().reverse()};
-}
-
-std::string axisText(Eigen::Vector3d axis) {
-  Eigen::Index largest = 0;
-  axis.cwiseAbs().maxCoeff(&largest);
-  if (axis[largest] < 0) axis = -axis;
-  for (double& x : axis) x = std::abs(x) < 5e-4 ? 0 : x;
-  return fmt::format("({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2]);
-}
-
-/// Says what is free, why, and which motion is missing.
-std::string textOf(const FreeDirection& free, int same_kind, const Turns& turns) {
-  constexpr const char* turn_it = "turn it by 20 degrees or more about";
-  switch (free.kind) {
-    case FreeDirection::Kind::translation:
-      if (same_kind > 1)
-        return fmt::format("the translation of the camera is not determined, because the hand hardly turns ({:.1f} "
-                           "degrees); {} two axes",
-                           turns.deg[0], turn_it);
-      return fmt::format("the translation of the camera along {} of the hand is not determined, because the hand turns "
-                         "about {} only ({:.1f} degrees, {:.1f} about others); {} another axis, too",
-                         axisText(free.axis), axisText(turns.axes.col(0)), turns.deg[0], turns.deg[1], turn_it);
-    case FreeDirection::Kind::rotation:
-      return fmt::format("the rotation of the camera about {} of the hand is not determined, because the hand neither "
-                         "turns about another axis nor moves across this one; {} another axis, too",
-                         axisText(free.axis), turn_it);
-    case FreeDirection::Kind::time_offset:
-      return "the time offset is not determined, because the hand moves too slowly or evenly; turn it to and fro";
-    case FreeDirection::Kind::scale: break;
-  }
-  return "the scale is not determined, because the camera hardly moves; move it farther";
-}
-
-}  // namespace
-
-namespace {
-
 /// The noise of each component of the poses of the interpolated stream.
 struct PoseNoise {
   double rotation_rad = 0, translation = 0;  ///< translation in the unit of the camera's stream
@@ -182,7 +119,8 @@ struct PoseNoise {
 
 /// Returns it from second differences, which see little of a smooth motion.
 PoseNoise trackNoise(const Streams& streams, double scale) {
-  const std::vector<Segment>& segments = (streams.interpolates_hand ? streams.hand : streams.camera).segments();
+  const std::vector<Segment>& segments =
+      (streams.interpolates_hand ? streams.hand : streams.camera).segments();
   std::vector<double> turns, moves;
   for (std::size_t i = 1; i < segments.size(); ++i) {
     turns.push_back((segments[i].turn - segments[i - 1].turn).norm());
@@ -203,7 +141,7 @@ double whitened(const PoseNoise& own, const HandEyeNoise& noise) {
 
 Freedom freedomOf(const Streams& streams, const HandEyeSettings& settings, const Items& items,
                   const HandEyeValues& values, const HandEyeNoise& noise) {
-  constexpr double buried = 5;     // a response is free below this multiple of that to noise
+  constexpr double buried = 5;       // a response is free below this multiple of that to noise
   constexpr double rounding = 1e-7;  // of the largest response
   const double window = std::max(0.1, 2 * std::max(streams.hand.step(), streams.camera.step()));
   Freedom freedom;
@@ -218,15 +156,19 @@ Freedom freedomOf(const Streams& streams, const HandEyeSettings& settings, const
   const Eigen::VectorXd response = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
   const double limit = std::max(buried, rounding * response.maxCoeff());
   const auto is_known = [&](Eigen::Index k) {  // fixed unknowns have no response
-    const bool is_offset = std::abs(eigen.eigenvectors()(6, k)) > 0.999, is_scale = std::abs(eigen.eigenvectors()(7, k)) > 0.999;
-    return (is_offset && (!settings.estimate_offset || settings.pairs)) || (is_scale && !settings.estimate_scale);
+    const bool is_offset = std::abs(eigen.eigenvectors()(6, k)) > 0.999,
+               is_scale = std::abs(eigen.eigenvectors()(7, k)) > 0.999;
+    return (is_offset && (!settings.estimate_offset || settings.pairs)) ||
+           (is_scale && !settings.estimate_scale);
   };
   std::vector<Eigen::Index> columns;
   freedom.least_response = response.maxCoeff();
   for (Eigen::Index k = 0; k < response.size(); ++k) {
     if (is_known(k)) continue;
-    if (response[k] < limit) columns.push_back(k);
-    else freedom.least_response = std::min(freedom.least_response, response[k]);
+    if (response[k] < limit)
+      columns.push_back(k);
+    else
+      freedom.least_response = std::min(freedom.least_response, response[k]);
   }
   const Turns turns = turnsOf(streams, settings, items, values.shift);
   freedom.turns_deg = vec3(turns.deg);
@@ -238,8 +180,9 @@ Freedom freedomOf(const Streams& streams, const HandEyeSettings& settings, const
     const Eigen::Vector3d axis = named.direction.segment<3>(std::min(named.kind.first, 3)).normalized();
     if (free.kind == FreeDirection::Kind::translation) free.axis = vec3(axis);
     if (free.kind == FreeDirection::Kind::rotation) free.axis = values.hand_T_camera.orient * axis;
-    const auto same = std::count_if(basis.begin(), basis.end(),
-                                    [&](const NamedDirection& other) { return other.kind.kind == named.kind.kind; });
+    const auto same = std::count_if(basis.begin(), basis.end(), [&](const NamedDirection& other) {
+      return other.kind.kind == named.kind.kind;
+    });
     free.text = textOf(free, int(same), turns);
     freedom.directions.push_back(std::move(free));
   }

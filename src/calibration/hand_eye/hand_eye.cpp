@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,12 +15,12 @@
 #include "calibration/hand_eye/start.hpp"
 #include "calibration/hand_eye/words.hpp"
 #include "calibration/median.hpp"
+#include "calibration/rotation_vector.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
 namespace {
 
-constexpr double to_deg = 180 / std::numbers::pi;
 constexpr double not_determined = std::numeric_limits<double>::quiet_NaN();
 
 /// Pairs of poses as streams: the row is the time.
@@ -58,7 +57,8 @@ struct FitAndFreedom {
 };
 
 /// Fits with what is free held at its start. What is free is known for certain only after the fit.
-FitAndFreedom fitWhatIsDetermined(const Streams& streams, const HandEyeSettings& settings, const HandEyeValues& start) {
+FitAndFreedom fitWhatIsDetermined(const Streams& streams, const HandEyeSettings& settings,
+                                  const HandEyeValues& start) {
   constexpr int most_rounds = 3;
   RobustFit fit = unfitted(streams, settings, start);
   Freedom freedom = freedomOf(streams, settings, fit.goodItems(), fit.values, fit.noise);
@@ -72,7 +72,9 @@ FitAndFreedom fitWhatIsDetermined(const Streams& streams, const HandEyeSettings&
   return {std::move(fit), std::move(freedom)};
 }
 
-NumberEstimate numberOf(double value, double std, double std_clustered) { return {value, std, std_clustered}; }
+NumberEstimate numberOf(double value, double std, double std_clustered) {
+  return {value, std, std_clustered};
+}
 
 /// Sets a component to NaN if it takes part in a free direction.
 void hideFree(const Freedom& freedom, int first, PoseEstimate::Deviations& std) {
@@ -95,14 +97,16 @@ struct Deviations {
 };
 
 void setDeviations(const Deviations& own, const Freedom& freedom, bool is_clustered, HandEyeResult& result) {
-  auto PoseEstimate::* std = is_clustered ? &PoseEstimate::std_clustered : &PoseEstimate::std;
-  auto NumberEstimate::* number = is_clustered ? &NumberEstimate::std_clustered : &NumberEstimate::std;
+  auto PoseEstimate::*std = is_clustered ? &PoseEstimate::std_clustered : &PoseEstimate::std;
+  auto NumberEstimate::*number = is_clustered ? &NumberEstimate::std_clustered : &NumberEstimate::std;
   result.hand_T_camera.*std = own.X;
   hideFree(freedom, 0, result.hand_T_camera.*std);
   // What is free in X is free in Y, in a way that depends on the mean pose.
   if (result.base_T_target) {
-    if (freedom.directions.empty()) (*result.base_T_target).*std = own.Y;
-    else ((*result.base_T_target).*std).setConstant(not_determined);
+    if (freedom.directions.empty())
+      (*result.base_T_target).*std = own.Y;
+    else
+      ((*result.base_T_target).*std).setConstant(not_determined);
   }
   result.time_offset_s.*number = own.shift[0];
   result.scale.*number = own.scale[0];
@@ -133,10 +137,12 @@ void takeResiduals(const Streams& streams, const PoseStream& stream, const HandE
   std::vector<double> turns, moves;
   double turn = 0, move = 0;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
-    const double off_m = fit.values.scale * residuals[i].head<3>().norm(), off_rad = residuals[i].tail<3>().norm();
+    const double off_m = fit.values.scale * residuals[i].head<3>().norm(),
+                 off_rad = residuals[i].tail<3>().norm();
     const std::size_t row = streams.indices[fit.items[i].from];
     if (!fit.is_good[i]) {
-      result.outliers.push_back({stream.poses[row].t_s, stream.place(row), off_rad * to_deg, off_m});
+      result.outliers.push_back(
+          {stream.poses[row].t_s, stream.place(row), off_rad * degrees_per_radian, off_m});
       continue;
     }
     turns.push_back(off_rad);
@@ -145,15 +151,15 @@ void takeResiduals(const Streams& streams, const PoseStream& stream, const HandE
     move += off_m * off_m;
   }
   const auto size = [&](const HandEyeOutlier& outlier) {
-    return std::max(outlier.rotation_deg / to_deg / fit.noise.rotation_rad(),
+    return std::max(outlier.rotation_deg / degrees_per_radian / fit.noise.rotation_rad(),
                     outlier.translation_m / (fit.values.scale * fit.noise.translation()));
   };
   std::stable_sort(result.outliers.begin(), result.outliers.end(),
                    [&](const auto& a, const auto& b) { return size(a) > size(b); });
   const double n = std::max(double(turns.size()), 1.0);
-  result.rms_rotation_deg = std::sqrt(turn / n) * to_deg;
+  result.rms_rotation_deg = std::sqrt(turn / n) * degrees_per_radian;
   result.rms_translation_m = std::sqrt(move / n);
-  result.median_rotation_deg = medianOf(std::move(turns)) * to_deg;
+  result.median_rotation_deg = medianOf(std::move(turns)) * degrees_per_radian;
   result.median_translation_m = medianOf(std::move(moves));
 }
 

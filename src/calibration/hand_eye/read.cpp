@@ -19,26 +19,51 @@ namespace slom::calibration {
 namespace {
 
 constexpr const char* header_text = "t_s,x_m,y_m,z_m,qx,qy,qz,qw";
-constexpr double most_m = 1e7;               // beyond, a coordinate is a mistake
+constexpr double most_m = 1e7;              // beyond, a coordinate is a mistake
 constexpr double most_length_error = 0.05;  // of a quaternion that was rounded
 
+namespace pose {
 enum Column { time, x, y, z, qx, qy, qz, qw };
+}
 constexpr std::size_t column_count = 8;
 
 /// A name of a column in a header.
 struct ColumnName {
   std::string_view name;
-  Column column;
+  pose::Column column;
   bool is_in_ns = false;
 };
-constexpr ColumnName column_names[] = {
-    {"t_s", time}, {"t", time}, {"time", time}, {"time_s", time}, {"timestamp", time}, {"t_ns", time, true},
-    {"time_ns", time, true}, {"timestamp_ns", time, true}, {"x_m", x}, {"x", x}, {"tx", x}, {"p_x", x},
-    {"y_m", y}, {"y", y}, {"ty", y}, {"p_y", y}, {"z_m", z}, {"z", z}, {"tz", z}, {"p_z", z}, {"qx", qx},
-    {"q_x", qx}, {"qy", qy}, {"q_y", qy}, {"qz", qz}, {"q_z", qz}, {"qw", qw}, {"q_w", qw}};
+constexpr ColumnName column_names[] = {{"t_s", pose::time},
+                                       {"t", pose::time},
+                                       {"time", pose::time},
+                                       {"time_s", pose::time},
+                                       {"timestamp", pose::time},
+                                       {"t_ns", pose::time, true},
+                                       {"time_ns", pose::time, true},
+                                       {"timestamp_ns", pose::time, true},
+                                       {"x_m", pose::x},
+                                       {"x", pose::x},
+                                       {"tx", pose::x},
+                                       {"p_x", pose::x},
+                                       {"y_m", pose::y},
+                                       {"y", pose::y},
+                                       {"ty", pose::y},
+                                       {"p_y", pose::y},
+                                       {"z_m", pose::z},
+                                       {"z", pose::z},
+                                       {"tz", pose::z},
+                                       {"p_z", pose::z},
+                                       {"qx", pose::qx},
+                                       {"q_x", pose::qx},
+                                       {"qy", pose::qy},
+                                       {"q_y", pose::qy},
+                                       {"qz", pose::qz},
+                                       {"q_z", pose::qz},
+                                       {"qw", pose::qw},
+                                       {"q_w", pose::qw}};
 
 /// The separators of a table: a character, or blanks of any number if it is a blank.
-char separatorOf(std::string_view line) {
+char fieldSeparator(std::string_view line) {
   for (const char separator : {',', ';'}) {
     if (line.find(separator) != std::string_view::npos) return separator;
   }
@@ -73,7 +98,7 @@ Layout layoutOfTum() {
 
 Layout layoutOf(std::string_view header, const std::string& place) {
   Layout layout;
-  layout.separator = separatorOf(header);
+  layout.separator = fieldSeparator(header);
   for (const std::string_view field : split(header, layout.separator)) {
     for (const ColumnName& known : column_names) {
       if (known.name != field) continue;
@@ -86,7 +111,7 @@ Layout layoutOf(std::string_view header, const std::string& place) {
     layout.names.emplace_back(field);
   }
   for (const ColumnName& known : column_names) {
-    if (known.column != time && !layout.index[known.column])
+    if (known.column != pose::time && !layout.index[known.column])
       badFile(fmt::format("{}: the header is \"{}\" and lacks the column {}; write \"{}\"", place,
                           shortened(header, longest_quote), known.name, header_text));
   }
@@ -108,36 +133,37 @@ class Rows {
     for (std::size_t c = 0; c < column_count; ++c) {
       if (layout_.index[c]) value[c] = number(fields[*layout_.index[c]], c, line);
     }
-    return {value[time], SE3(rotation(value, line), vec3(value[x], value[y], value[z])), line};
+    return {value[pose::time],
+            SE3(rotation(value, line), vec3(value[pose::x], value[pose::y], value[pose::z])), line};
   }
 
  private:
   double number(std::string_view text, std::size_t column, int line) const {
     double value = 0;
     std::int64_t ns = 0;
-    if (column == time && layout_.is_in_ns && io::parseNumber(text, ns)) return double(ns) * 1e-9;
+    if (column == pose::time && layout_.is_in_ns && io::parseNumber(text, ns)) return double(ns) * 1e-9;
     const char* wanted = nullptr;
     if (!io::parseNumber(text, value)) {
       wanted = "a number";
     } else if (!std::isfinite(value)) {
       wanted = "a finite number";
-    } else if (column >= x && column <= z && std::abs(value) > most_m) {
+    } else if (column >= pose::x && column <= pose::z && std::abs(value) > most_m) {
       wanted = "metres, at most 1e7,";
     }
     if (wanted)
       badFile(fmt::format("{}:{}: {} is \"{}\"; write {} there, or remove the row", file_, line,
                           layout_.names[*layout_.index[column]], shortened(text, longest_quote), wanted));
-    return column == time && layout_.is_in_ns ? value * 1e-9 : value;
+    return column == pose::time && layout_.is_in_ns ? value * 1e-9 : value;
   }
 
   SO3 rotation(const std::array<double, column_count>& value, int line) const {
-    const double length = std::sqrt(value[qx] * value[qx] + value[qy] * value[qy] + value[qz] * value[qz] +
-                                    value[qw] * value[qw]);
+    const double length = std::sqrt(value[pose::qx] * value[pose::qx] + value[pose::qy] * value[pose::qy] +
+                                    value[pose::qz] * value[pose::qz] + value[pose::qw] * value[pose::qw]);
     if (!(std::abs(length - 1) <= most_length_error))
       badFile(fmt::format(
           "{}:{}: the quaternion has the length {:.6g} instead of 1; correct it, or remove the row", file_,
           line, length));
-    return {value[qw], value[qx], value[qy], value[qz]};
+    return {value[pose::qw], value[pose::qx], value[pose::qy], value[pose::qz]};
   }
 
   const std::string& file_;
@@ -146,16 +172,17 @@ class Rows {
 
 bool beginsWithNumber(std::string_view line) {
   double number = 0;
-  return io::parseNumber(split(line, separatorOf(line)).front(), number);
+  return io::parseNumber(split(line, fieldSeparator(line)).front(), number);
 }
 
 /// Returns the layout that the first line states, and whether that line is a header.
 std::pair<Layout, bool> layoutAt(std::string_view line, const std::string& place) {
   if (!beginsWithNumber(line)) return {layoutOf(line, place), true};
-  if (separatorOf(line) == ' ' && split(line, ' ').size() == column_count) return {layoutOfTum(), false};
-  badFile(fmt::format("{}: there is no header, and numbers alone do not say what they are; put \"{}\" above, or write "
-                      "a trajectory of TUM (t x y z qx qy qz qw, separated by blanks)",
-                      place, header_text));
+  if (fieldSeparator(line) == ' ' && split(line, ' ').size() == column_count) return {layoutOfTum(), false};
+  badFile(fmt::format(
+      "{}: there is no header, and numbers alone do not say what they are; put \"{}\" above, or write "
+      "a trajectory of TUM (t x y z qx qy qz qw, separated by blanks)",
+      place, header_text));
 }
 
 }  // namespace
@@ -180,7 +207,7 @@ PoseStream readPoseStream(const std::string& file) {
     if (!layout) {
       auto [found, is_header] = layoutAt(row, fmt::format("{}:{}", file, line));
       layout = std::move(found);
-      stream.has_times = layout->index[time].has_value();
+      stream.has_times = layout->index[pose::time].has_value();
       if (is_header) continue;
     }
     stream.poses.push_back(Rows(file, *layout).read(row, line));

@@ -40,7 +40,8 @@ Alignment aligned(const std::vector<VectorPair>& pairs) {
   for (int round = 0; round < most_rounds; ++round) {
     const std::vector<double> weights = weightsFor(distances);
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-    for (std::size_t i = 0; i < pairs.size(); ++i) sum += weights[i] * pairs[i].first * pairs[i].second.transpose();
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      sum += weights[i] * pairs[i].first * pairs[i].second.transpose();
     const Svd svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
     const SO3 before = result.rotation;
     result.rotation = nearestRotation(svd);

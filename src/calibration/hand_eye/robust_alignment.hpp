@@ -17,9 +17,9 @@ struct VectorPair {
 /// A rotation R from pairs of vectors.
 struct Alignment {
   SO3 rotation;
-  double misfit = 0;           ///< median of |first - R second|
+  double misfit = 0;              ///< median of |first - R second|
   Eigen::Vector3d axis{0, 0, 1};  ///< principal direction of the first vectors
-  bool is_turn_free = false;   ///< all vectors are parallel: R may turn about `axis`
+  bool is_turn_free = false;      ///< all vectors are parallel: R may turn about `axis`
 };
 
 /// Returns the rotation with the least sum of distances, by iterated weights. Source: Kabsch, 1976; Weiszfeld, 1937.

@@ -35,7 +35,8 @@ HandEyeNoise roughNoise(const std::vector<Residual>& residuals, double extent) {
 }
 
 /// Returns the covariance of the residuals of good items; with few of them, equal along all axes.
-HandEyeNoise noiseOf(const std::vector<Residual>& residuals, const std::vector<bool>& is_good, double extent) {
+HandEyeNoise noiseOf(const std::vector<Residual>& residuals, const std::vector<bool>& is_good,
+                     double extent) {
   constexpr double unknowns = 13, few = 60;
   double n = 0;
   HandEyeNoise noise;
@@ -53,7 +54,8 @@ HandEyeNoise noiseOf(const std::vector<Residual>& residuals, const std::vector<b
     noise.covariance.diagonal().tail<3>().setConstant(turn * turn);
   }
   // A floor for each component, so that exact data can be fitted.
-  const double floor_m = std::max(least_move * extent, 1e-3 * move), floor_rad = std::max(least_turn, 1e-3 * turn);
+  const double floor_m = std::max(least_move * extent, 1e-3 * move),
+               floor_rad = std::max(least_turn, 1e-3 * turn);
   noise.covariance.diagonal().head<3>().array() += floor_m * floor_m;
   noise.covariance.diagonal().tail<3>().array() += floor_rad * floor_rad;
   return noise;

@@ -42,7 +42,8 @@ std::vector<Motion> motionsAt(const Streams& streams, double shift, const HandEy
   }
   const std::vector<BothPoses> poses = posesAt(streams, shift);
   std::vector<std::size_t> distances;
-  for (const std::size_t divisor : {2, 3, 5, 11}) distances.push_back(std::max<std::size_t>(1, poses.size() / divisor));
+  for (const std::size_t divisor : {2, 3, 5, 11})
+    distances.push_back(std::max<std::size_t>(1, poses.size() / divisor));
   distances.erase(std::unique(distances.begin(), distances.end()), distances.end());
   for (const std::size_t distance : distances) {
     for (std::size_t i = 0; i + distance < poses.size(); ++i)
@@ -118,7 +119,8 @@ double complete(const std::vector<BothPoses>& poses, const std::vector<Motion>& 
     }
   } else {
     std::vector<SO3> targets;
-    for (const BothPoses& both : poses) targets.push_back(both.hand.orient * X * both.camera.orient.inverse());
+    for (const BothPoses& both : poses)
+      targets.push_back(both.hand.orient * X * both.camera.orient.inverse());
     values.base_T_target.orient = averaged(targets);
     for (const BothPoses& both : poses) {
       auto& M = equations.M.emplace_back(Eigen::Matrix<double, 3, 7>::Zero());

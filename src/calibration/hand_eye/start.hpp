@@ -11,9 +11,9 @@ namespace slom::calibration {
 /// Start values, and how well they explain the motions.
 struct HandEyeStart {
   HandEyeValues values;
-  double misfit_rad = 0;    ///< median difference of rotation vectors of motions
-  double turn_rad = 0;      ///< median turn of motions
-  double misfit_m = 0;      ///< median difference of positions
+  double misfit_rad = 0;  ///< median difference of rotation vectors of motions
+  double turn_rad = 0;    ///< median turn of motions
+  double misfit_m = 0;    ///< median difference of positions
   int rows = 0;
   double alike_shift = 0;  ///< shift at which the speeds of both streams agree best, whatever their frames
   /// Misfit relative to the size of the motions.

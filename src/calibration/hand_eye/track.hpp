@@ -37,9 +37,8 @@ class Track {
     const auto share = (time - s.start) / s.duration;
     const auto turn = SO3::exp(mtk::vector(share * s.turn[0], share * s.turn[1], share * s.turn[2]));
     const auto orient = s.pose.orient * turn;
-    const auto pos =
-        mtk::vector(share * s.move[0] + s.pose.pos[0], share * s.move[1] + s.pose.pos[1],
-                    share * s.move[2] + s.pose.pos[2]);
+    const auto pos = mtk::vector(share * s.move[0] + s.pose.pos[0], share * s.move[1] + s.pose.pos[1],
+                                 share * s.move[2] + s.pose.pos[2]);
     return PoseAt<std::remove_const_t<decltype(orient)>, std::remove_const_t<decltype(pos)>>{orient, pos};
   }
 

@@ -35,18 +35,20 @@ void warnOfClocks(const std::string& hand, const std::string& camera, double off
         "delayed",
         late, size, early));
   } else {
-    result.warnings.push_back(fmt::format("the clocks of {} and {} have other epochs: {:.3f} s apart; add the offset to the "
-                                          "times of the camera wherever both are used",
-                                          hand, camera, size));
+    result.warnings.push_back(
+        fmt::format("the clocks of {} and {} have other epochs: {:.3f} s apart; add the offset to the "
+                    "times of the camera wherever both are used",
+                    hand, camera, size));
   }
 }
 
-void warnOfOverlap(const Streams& streams, const std::string& slow, const std::string& fast, HandEyeResult& result) {
+void warnOfOverlap(const Streams& streams, const std::string& slow, const std::string& fast,
+                   HandEyeResult& result) {
   constexpr double most_unused = 0.2;
   if (result.unused <= most_unused * double(streams.rows.size())) return;
-  result.warnings.push_back(fmt::format(
-      "{} of {} rows of {} have no pose of {} at their time; record both for the whole motion", result.unused,
-      streams.rows.size(), slow, fast));
+  result.warnings.push_back(
+      fmt::format("{} of {} rows of {} have no pose of {} at their time; record both for the whole motion",
+                  result.unused, streams.rows.size(), slow, fast));
 }
 
 void warnOfOutliers(const HandEyeResult& result, std::vector<std::string>& warnings) {
@@ -63,16 +65,16 @@ void warnOfMotion(const Streams& streams, const std::string& fast, const Freedom
                   const HandEyeSettings& settings, HandEyeResult& result) {
   constexpr double weak = 10, noisy = 2;
   if (freedom.least_response < weak && result.free.empty())
-    result.warnings.push_back(
-        fmt::format("the motion is weak: it moves the residuals only {:.1f} times as much as noise does, so values may be "
-                    "off by some percent more than stated; turn the hand farther, about several axes",
-                    freedom.least_response));
+    result.warnings.push_back(fmt::format(
+        "the motion is weak: it moves the residuals only {:.1f} times as much as noise does, so values may be "
+        "off by some percent more than stated; turn the hand farther, about several axes",
+        freedom.least_response));
   if (!settings.estimate_offset || settings.pairs || freedom.motion_per_step > noisy) return;
   const Track& track = streams.interpolates_hand ? streams.hand : streams.camera;
-  result.warnings.push_back(
-      fmt::format("successive poses of {} differ by noise rather than by motion, so the time offset may be off by half "
-                  "their distance, {:.2g} s, more than stated; smooth them, or leave out rows",
-                  fast, track.step() / 2));
+  result.warnings.push_back(fmt::format(
+      "successive poses of {} differ by noise rather than by motion, so the time offset may be off by half "
+      "their distance, {:.2g} s, more than stated; smooth them, or leave out rows",
+      fast, track.step() / 2));
 }
 
 }  // namespace
@@ -81,21 +83,25 @@ void requireCommonTime(const HandEyeStart& start, const PoseStream& hand, const 
                        const HandEyeSettings& settings) {
   constexpr int least_rows = 3;
   if (start.rows >= least_rows) return;
-  const std::string spans = fmt::format("{} lasts from {}, {} from {}", nameOf(hand, "the hand"), spanOf(hand),
-                                        nameOf(camera, "the camera"), spanOf(camera));
+  const std::string spans = fmt::format("{} lasts from {}, {} from {}", nameOf(hand, "the hand"),
+                                        spanOf(hand), nameOf(camera, "the camera"), spanOf(camera));
   if (settings.estimate_offset || settings.pairs)
-    noCommonTime(fmt::format("{}: nowhere do both move alike; record one motion with both, of some seconds", spans));
-  noCommonTime(fmt::format("{}: with the time offset {:g} s they have {} in common; correct the offset, or let it be "
-                           "estimated",
-                           spans, settings.time_offset_s, counted(std::size_t(start.rows), "row")));
+    noCommonTime(
+        fmt::format("{}: nowhere do both move alike; record one motion with both, of some seconds", spans));
+  noCommonTime(
+      fmt::format("{}: with the time offset {:g} s they have {} in common; correct the offset, or let it be "
+                  "estimated",
+                  spans, settings.time_offset_s, counted(std::size_t(start.rows), "row")));
 }
 
-void requireItems(const RobustFit& fit, const Streams& streams, const PoseStream& hand, const PoseStream& camera) {
+void requireItems(const RobustFit& fit, const Streams& streams, const PoseStream& hand,
+                  const PoseStream& camera) {
   if (fit.goodItems().size() >= 3) return;
-  noCommonTime(fmt::format("{} and {}: {} of {} agree with each other; record one motion with both, with turns of 20 "
-                           "degrees or more",
-                           nameOf(hand, "hand"), nameOf(camera, "camera"), fit.goodItems().size(),
-                           slom::calibration::counted(streams.rows.size(), "row")));
+  noCommonTime(
+      fmt::format("{} and {}: {} of {} agree with each other; record one motion with both, with turns of 20 "
+                  "degrees or more",
+                  nameOf(hand, "hand"), nameOf(camera, "camera"), fit.goodItems().size(),
+                  slom::calibration::counted(streams.rows.size(), "row")));
 }
 
 void judge(const Streams& streams, const PoseStream& hand, const PoseStream& camera,
@@ -112,7 +118,7 @@ void judge(const Streams& streams, const PoseStream& hand, const PoseStream& cam
   // As large as the motion itself: no motion is explained.
   constexpr double unlike = 0.5, least_turn = 5;
   const double turns = result.turns_deg.norm();
-  const bool agree_in_turns = result.rms_rotation_deg < unlike * turns, turn = turns > least_turn;
+  const bool agree_in_turns = result.rms_rotation_deg<unlike * turns, turn = turns> least_turn;
   const bool agree_in_moves = result.rms_translation_m < unlike * extentOf(streams);
   const bool are_few = double(result.outliers.size()) < 0.5 * std::max(result.motions, result.rows);
   if ((turn ? agree_in_turns : agree_in_moves) && are_few) return;
@@ -126,7 +132,8 @@ void judge(const Streams& streams, const PoseStream& hand, const PoseStream& cam
     result.message += fmt::format("; the inverse poses of {} agree far better, so invert them",
                                   result.inverse == InverseStream::hand ? hand_name : camera_name);
   else
-    result.message += "; check that both are on one rigid body, that quaternions are qx,qy,qz,qw, and the frames of the poses";
+    result.message +=
+        "; check that both are on one rigid body, that quaternions are qx,qy,qz,qw, and the frames of the poses";
 }
 
 }  // namespace slom::calibration

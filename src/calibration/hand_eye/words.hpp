@@ -11,7 +11,8 @@ namespace slom::calibration {
 /// Throws DataError if the streams have too few rows in common.
 void requireCommonTime(const HandEyeStart& start, const PoseStream& hand, const PoseStream& camera,
                        const HandEyeSettings& settings);
-void requireItems(const RobustFit& fit, const Streams& streams, const PoseStream& hand, const PoseStream& camera);
+void requireItems(const RobustFit& fit, const Streams& streams, const PoseStream& hand,
+                  const PoseStream& camera);
 
 /// Adds warnings on clocks, overlap, outliers and weak motion. If the streams do not describe one motion, `converged`
 /// becomes false, and `message` says so.
