@@ -129,7 +129,7 @@ TEST(HandEyeCommand, BadOptionsAreRefused) {
   refused("--pairs: contradicts --motions; keep one of them", {"--pairs", "--motions", "1"});
   refused("--pairs: contradicts --offset; keep one of them", {"--pairs", "--offset", "1"});
   refused(
-      "hand.csv has 2000 poses and camera.csv has 400 poses; pairs need a row in both files for each moment",
+      "hand.csv has 2000 poses and camera.csv has 400 poses; give a row in both for each moment, or compare them by time",
       {"--pairs"});
 }
 

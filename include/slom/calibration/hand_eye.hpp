@@ -138,8 +138,9 @@ struct HandEyeResult {
 /// Calibrates a camera on a hand. Gross errors are found and left out. If the motion leaves something free, the result
 /// says what, and holds that at 0 (translations, rotations at their start) so that everything else has its uncertainty.
 /// Throws DataError:
-///   [slom.calibration.bad-stream]      fewer than 3 poses, a pose that is not finite, a time earlier than the one before
-///   [slom.calibration.bad-settings]    pairs of streams with different numbers of poses, times that are missing, ...
+///   [slom.calibration.bad-stream]      fewer than 3 poses, a pose that is not finite, a time earlier than the one
+///                                      before, no times, pairs of streams with different numbers of poses
+///   [slom.calibration.bad-settings]    a number that is not in its range
 ///   [slom.calibration.no-common-time]  streams that do not overlap in time, or whose motions nowhere agree
 HandEyeResult handEye(const PoseStream& hand, const PoseStream& camera, const HandEyeSettings& settings);
 

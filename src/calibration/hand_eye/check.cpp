@@ -58,14 +58,14 @@ void checkStreams(const PoseStream& hand, const PoseStream& camera, const HandEy
                             settings.outlier_sigmas));
   for (const PoseStream* stream : {&hand, &camera}) {
     if (!settings.pairs && !stream->has_times)
-      badSettings(
+      badStream(
           fmt::format("{}: there is no column of times; add t_s, or pass pairs of poses", nameOf(*stream)));
     checkStream(*stream, !settings.pairs);
   }
   if (settings.pairs && hand.poses.size() != camera.poses.size())
-    badSettings(fmt::format("{} has {} and {} has {}; pairs need a row in both files for each moment",
-                            nameOf(hand), counted(hand.poses.size(), "pose"), nameOf(camera),
-                            counted(camera.poses.size(), "pose")));
+    badStream(fmt::format(
+        "{} has {} and {} has {}; give a row in both for each moment, or compare them by time", nameOf(hand),
+        counted(hand.poses.size(), "pose"), nameOf(camera), counted(camera.poses.size(), "pose")));
 }
 
 std::vector<std::string> noticesOf(const PoseStream& stream) {
