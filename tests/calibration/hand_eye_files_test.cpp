@@ -141,15 +141,15 @@ TEST(PoseStreams, ThatDoNotBelongTogetherAreRefused) {
   Spoiled motion;
   motion.settings.motion_s = 0;
   EXPECT_EQ(motion.message(),
-            "[slom.calibration.bad-settings] motion_s: 0 is no length of a motion; give seconds above 0");
+            "[slom.calibration.bad-settings] HandEyeSettings::motion_s is 0; give seconds above 0");
   Spoiled sigmas;
   sigmas.settings.outlier_sigmas = 1;
-  EXPECT_EQ(
-      sigmas.message(),
-      "[slom.calibration.bad-settings] outlier_sigmas: 1 takes good rows for outliers; give a number from 2 on");
+  EXPECT_EQ(sigmas.message(),
+            "[slom.calibration.bad-settings] HandEyeSettings::outlier_sigmas is 1; give a number from 2 on");
   Spoiled offset;
   offset.settings.time_offset_s = std::nan("");
-  EXPECT_EQ(offset.message(), "[slom.calibration.bad-settings] time_offset_s: not finite; give seconds");
+  EXPECT_EQ(offset.message(),
+            "[slom.calibration.bad-settings] HandEyeSettings::time_offset_s is nan; give seconds");
 }
 
 TEST(PoseStreams, WithoutCommonTimeThereIsNothingToCompare) {

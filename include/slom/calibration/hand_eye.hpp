@@ -106,6 +106,7 @@ struct FreeDirection {
 /// The stream that seems to have the poses of its fixed frame in its moving one.
 enum class InverseStream { none, hand, camera };
 
+/// A hand-eye calibration: the values found, their uncertainty, and what was left out or remains free.
 struct HandEyeResult {
   bool converged = false;
   std::string message;                          ///< why the fit stopped, or why it cannot be trusted

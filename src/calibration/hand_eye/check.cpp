@@ -49,12 +49,12 @@ void checkStream(const PoseStream& stream, bool has_order) {
 }  // namespace
 
 void checkStreams(const PoseStream& hand, const PoseStream& camera, const HandEyeSettings& settings) {
-  if (!std::isfinite(settings.time_offset_s)) badSettings("time_offset_s: not finite; give seconds");
+  if (!std::isfinite(settings.time_offset_s))
+    badSettings(fmt::format("HandEyeSettings::time_offset_s is {:g}; give seconds", settings.time_offset_s));
   if (!(settings.motion_s > 0) || !std::isfinite(settings.motion_s))
-    badSettings(
-        fmt::format("motion_s: {:g} is no length of a motion; give seconds above 0", settings.motion_s));
+    badSettings(fmt::format("HandEyeSettings::motion_s is {:g}; give seconds above 0", settings.motion_s));
   if (!(settings.outlier_sigmas >= 2))
-    badSettings(fmt::format("outlier_sigmas: {:g} takes good rows for outliers; give a number from 2 on",
+    badSettings(fmt::format("HandEyeSettings::outlier_sigmas is {:g}; give a number from 2 on",
                             settings.outlier_sigmas));
   for (const PoseStream* stream : {&hand, &camera}) {
     if (!settings.pairs && !stream->has_times)

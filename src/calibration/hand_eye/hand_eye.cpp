@@ -32,7 +32,6 @@ PoseStream asPairs(PoseStream stream) {
 /// Returns start values at the shift at which the streams agree best.
 HandEyeStart startOf(const Streams& streams, const PoseStream& hand, const PoseStream& camera,
                      const HandEyeSettings& settings) {
-  constexpr int least_rows = 3;
   if (settings.pairs) return startAt(streams, 0, settings);
   if (!settings.estimate_offset) return startAt(streams, streams.shiftOf(settings.time_offset_s), settings);
   HandEyeStart best;
@@ -40,7 +39,7 @@ HandEyeStart startOf(const Streams& streams, const PoseStream& hand, const PoseS
   const std::vector<ShiftCandidate> candidates = shiftCandidates(streams, hand, camera);
   for (const ShiftCandidate& candidate : candidates) {
     const HandEyeStart start = startAt(streams, candidate.shift, settings);
-    if (start.rows < least_rows) continue;
+    if (start.rows < int(least_items)) continue;
     if (extent == 0) extent = std::max(extentOf(streams), 1e-3);
     if (const double misfit = start.misfit_m + extent * start.misfit_rad; misfit < least) {
       least = misfit;
@@ -51,6 +50,7 @@ HandEyeStart startOf(const Streams& streams, const PoseStream& hand, const PoseS
   return best;
 }
 
+/// A fit, and what it leaves free.
 struct FitAndFreedom {
   RobustFit fit;
   Freedom freedom;
@@ -61,19 +61,16 @@ FitAndFreedom fitWhatIsDetermined(const Streams& streams, const HandEyeSettings&
                                   const HandEyeValues& start) {
   constexpr int most_rounds = 3;
   RobustFit fit = unfitted(streams, settings, start);
+  if (fit.goodItems().size() < least_items) return {std::move(fit), {}};
   Freedom freedom = freedomOf(streams, settings, fit.goodItems(), fit.values, fit.noise);
   for (int round = 0; round < most_rounds; ++round) {
     fit = fitRobustly(streams, settings, start, freedom.held);
-    if (fit.goodItems().size() < 3) break;
+    if (fit.goodItems().size() < least_items) break;
     const std::size_t before = freedom.directions.size();
     freedom = freedomOf(streams, settings, fit.goodItems(), fit.values, fit.noise);
     if (freedom.directions.size() == before) break;
   }
   return {std::move(fit), std::move(freedom)};
-}
-
-NumberEstimate numberOf(double value, double std, double std_clustered) {
-  return {value, std, std_clustered};
 }
 
 /// Sets a component to NaN if it takes part in a free direction.
@@ -118,11 +115,15 @@ void setDeviations(const Deviations& own, const Freedom& freedom, bool is_cluste
 
 void takeUncertainty(HandEyeProblem& problem, const HandEyeSettings& settings, const Freedom& freedom,
                      HandEyeResult& result) {
-  result.hand_T_camera.std.setConstant(not_determined);
-  result.hand_T_camera.std_clustered.setConstant(not_determined);
   if (!result.converged) return;
   try {
     setDeviations(Deviations(problem.estimator(), problem), freedom, false, result);
+  } catch (const mtk::Error& error) {
+    result.converged = false;
+    result.message = error.fault();
+    return;
+  }
+  try {
     const Clustered clustered =
         slom::clustered(problem.estimator(), {.by = {"time"}, .ordered = !settings.pairs});
     setDeviations(Deviations(clustered, problem), freedom, true, result);
@@ -188,8 +189,8 @@ HandEyeResult handEye(const PoseStream& hand, const PoseStream& camera, const Ha
   result.hand_T_camera.pose = fit.values.hand_T_camera;
   if (!settings.drifting) result.base_T_target = PoseEstimate{.pose = fit.values.base_T_target};
   const double offset = settings.pairs ? 0 : streams.offsetOf(fit.values.shift);
-  result.time_offset_s = numberOf(offset, not_determined, not_determined);
-  result.scale = numberOf(fit.values.scale, not_determined, not_determined);
+  result.time_offset_s = {offset, not_determined, not_determined};
+  result.scale = {fit.values.scale, not_determined, not_determined};
   result.rows = int(streams.covered(fit.values.shift).size());
   result.unused = int(streams.rows.size()) - result.rows;
   result.motions = settings.drifting ? int(fit.items.size()) : 0;

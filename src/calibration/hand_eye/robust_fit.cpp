@@ -8,7 +8,6 @@
 namespace slom::calibration {
 namespace {
 
-constexpr std::size_t least_items = 3;
 constexpr double least_move = 1e-9, least_turn = 1e-9;  // noise, relative to the extent, and [rad]
 
 Items itemsAt(const Streams& streams, const HandEyeSettings& settings, double shift) {

@@ -7,6 +7,10 @@
 
 namespace slom::calibration {
 
+/// The least number of rows or motions with which a fit is tried.
+inline constexpr std::size_t least_items = 3;
+
+/// A fit that knows which items contradict the others.
 struct RobustFit {
   HandEyeValues values;
   HandEyeNoise noise;

@@ -81,8 +81,7 @@ void warnOfMotion(const Streams& streams, const std::string& fast, const Freedom
 
 void requireCommonTime(const HandEyeStart& start, const PoseStream& hand, const PoseStream& camera,
                        const HandEyeSettings& settings) {
-  constexpr int least_rows = 3;
-  if (start.rows >= least_rows) return;
+  if (start.rows >= int(least_items)) return;
   const std::string spans = fmt::format("{} lasts from {}, {} from {}", nameOf(hand, "the hand"),
                                         spanOf(hand), nameOf(camera, "the camera"), spanOf(camera));
   if (settings.estimate_offset || settings.pairs)
@@ -96,7 +95,7 @@ void requireCommonTime(const HandEyeStart& start, const PoseStream& hand, const 
 
 void requireItems(const RobustFit& fit, const Streams& streams, const PoseStream& hand,
                   const PoseStream& camera) {
-  if (fit.goodItems().size() >= 3) return;
+  if (fit.goodItems().size() >= least_items) return;
   noCommonTime(
       fmt::format("{} and {}: {} of {} agree with each other; record one motion with both, with turns of 20 "
                   "degrees or more",
