@@ -13,21 +13,25 @@
 namespace slom::calibration {
 namespace {
 
-struct Recording {
+struct RecordedStreams {
   PoseStream hand, camera;
-  explicit Recording(const std::string& hand_name, const std::string& camera_name)
+  explicit RecordedStreams(const std::string& hand_name, const std::string& camera_name)
       : hand(readPoseStream(slom::testing::sharedDataPath("hand_eye/" + hand_name).string())),
         camera(readPoseStream(slom::testing::sharedDataPath("hand_eye/" + camera_name).string())) {}
 };
 
-Recording robotArm() { return Recording("robot_arm_base_hand.csv", "robot_arm_target_camera.csv"); }
-Recording primeSense() { return Recording("prime_sense_world_hand.csv", "prime_sense_world_camera.csv"); }
+RecordedStreams robotArm() {
+  return RecordedStreams("robot_arm_base_hand.csv", "robot_arm_target_camera.csv");
+}
+RecordedStreams primeSense() {
+  return RecordedStreams("prime_sense_world_hand.csv", "prime_sense_world_camera.csv");
+}
 
 #define SKIP_WITHOUT_DATA SLOM_SKIP_WITHOUT_SHARED_DATA("hand_eye/robot_arm_base_hand.csv")
 
 TEST(HandEyeData, OffsetsAreThoseOfTheStreams) {
   SKIP_WITHOUT_DATA;
-  const Recording arm = robotArm(), capture = primeSense();
+  const RecordedStreams arm = robotArm(), capture = primeSense();
   const HandEyeResult a = handEye(arm.hand, arm.camera, {}), b = handEye(capture.hand, capture.camera, {});
   ASSERT_TRUE(a.success()) << a.message;
   ASSERT_TRUE(b.success()) << b.message;
@@ -46,7 +50,7 @@ TEST(HandEyeData, MotionsOverASecondHaveThePublishedMedians) {
   SKIP_WITHOUT_DATA;
   HandEyeSettings settings;
   settings.drifting = true;
-  const Recording arm = robotArm(), capture = primeSense();
+  const RecordedStreams arm = robotArm(), capture = primeSense();
   const HandEyeResult a = handEye(arm.hand, arm.camera, settings),
                       b = handEye(capture.hand, capture.camera, settings);
   EXPECT_NEAR(a.median_rotation_deg, 0.41, 0.1);
@@ -68,7 +72,7 @@ Eigen::Matrix<double, 7, 1> differenceOf(const HandEyeResult& a, const HandEyeRe
 
 TEST(HandEyeData, HalvesAgreeWithinTheirClusteredDeviations) {
   SKIP_WITHOUT_DATA;
-  for (const Recording& recording : {robotArm(), primeSense()}) {
+  for (const RecordedStreams& recording : {robotArm(), primeSense()}) {
     const auto& poses = recording.camera.poses;
     const auto middle = poses.begin() + std::ptrdiff_t(poses.size() / 2);
     const HandEyeResult a = handEye(recording.hand, {.file = "first half", .poses = {poses.begin(), middle}},
@@ -87,7 +91,7 @@ TEST(HandEyeData, PosesAndMotionsAgree) {
   SKIP_WITHOUT_DATA;
   HandEyeSettings motions;
   motions.drifting = true;
-  for (const Recording& recording : {robotArm(), primeSense()}) {
+  for (const RecordedStreams& recording : {robotArm(), primeSense()}) {
     const auto z = differenceOf(handEye(recording.hand, recording.camera, {}),
                                 handEye(recording.hand, recording.camera, motions));
     EXPECT_LT(z.cwiseAbs().maxCoeff(), 3) << z.transpose();
@@ -96,7 +100,7 @@ TEST(HandEyeData, PosesAndMotionsAgree) {
 
 TEST(HandEyeData, TheOffsetFollowsShiftedStamps) {
   SKIP_WITHOUT_DATA;
-  for (const Recording& recording : {robotArm(), primeSense()}) {
+  for (const RecordedStreams& recording : {robotArm(), primeSense()}) {
     const HandEyeResult plain = handEye(recording.hand, recording.camera, {});
     for (const double shift : {-2.0, 2.0, 1e9}) {
       PoseStream camera = recording.camera;
