@@ -15,6 +15,7 @@
 ///   comparison.hpp         which camera model the data support
 ///   choose.hpp             a calibration that leaves settings to comparisons
 ///   files.hpp              corners and readings from and to files
+///   hand_eye.hpp           a camera on a hand, from two streams of poses: handEye(hand, camera, settings)
 ///   imu_stream.hpp         cameras and IMUs in motion
 ///   error.hpp              exceptions for invalid data and settings
 #pragma once
@@ -29,6 +30,7 @@
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/error.hpp"
 #include "slom/calibration/files.hpp"
+#include "slom/calibration/hand_eye.hpp"
 #include "slom/calibration/imu_stream.hpp"
 #include "slom/calibration/models.hpp"
 #include "slom/calibration/number_text.hpp"

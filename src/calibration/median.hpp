@@ -17,6 +17,9 @@ inline double medianOf(std::vector<double> numbers) {
   return *middle;
 }
 
+/// The median length of a vector in space whose components are normal with the standard deviation 1.
+inline constexpr double median_of_length = 1.5382;
+
 /// Estimates the standard deviation of u and of v from distances, assuming normal noise: the median distance, divided
 /// by the median of a Rayleigh distribution.
 inline double noiseOfDistances(std::vector<double> distances) {

@@ -1,9 +1,13 @@
 // The uncertainty of a rotation, expressed in the components of its rotation vector.
 #pragma once
 
+#include <numbers>
+
 #include "slom/calibration/types.hpp"
 
 namespace slom::calibration {
+
+inline constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
 /// Returns the derivative of log(R [+] d) by d at d = 0: the inverse of the right Jacobian of SO(3).
 Eigen::Matrix3d rotationVectorJacobian(const SO3& R);

@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 COMMAND, MANUAL = sys.argv[1:3]
-SUBCOMMANDS = ["bundle", "calibrate", "graph", "replay", "simulate"]
+SUBCOMMANDS = ["bundle", "calibrate", "graph", "hand-eye", "replay", "simulate"]
 
 
 def run(*words):

@@ -24,8 +24,8 @@ namespace slom::calibration {
 ///   no-pose             common images of two cameras that give no finite pose between them
 ///   imu-images          a reading of an image that no camera has
 ///   imu-open            readings that do not determine the IMU, or no readings
-///   bad-stream          readings of an IMU in motion that cannot be used: wrong units or axes, times that do not rise,
-///                       no readings while images were taken, or images without times
+///   bad-stream          readings of an IMU in motion, or poses of a hand, that cannot be used: too few, not finite, times
+///                       that do not rise, wrong units or axes, none while images were taken, or images without times
 ///   no-motion           turns of cameras and IMU that do not correlate, so that no time offset is found
 ///   bad-file            a malformed file of corners or readings
 ///   no-board            a corner file of another program without the places of its corners, if nobody gave them
@@ -36,6 +36,7 @@ namespace slom::calibration {
 ///   bad-question        a camera, a pixel or a distance that does not exist
 ///   nothing-to-exclude  an exclusion of a camera, an image or a corner that does not exist
 ///   copies              two cameras with the same views, or a camera with one view and copies of it
+///   no-common-time      streams of poses that do not overlap in time, or that nowhere move alike
 class DataError : public mtk::Error {
  public:
   /// The sentence of the error in parts, for programs that show the parts separately.

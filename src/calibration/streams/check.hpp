@@ -9,6 +9,9 @@
 
 namespace slom::calibration {
 
+/// Throws DataError [slom.calibration.bad-stream] about a stream.
+[[noreturn]] void badStream(const ImuStream& imu, const std::string& fault, const std::string& remedy);
+
 /// Throws DataError [slom.calibration.bad-stream] if samples are not finite, their times do not rise, there are fewer than
 /// two, a density of the noise is not positive, or the forces are not in m/s^2.
 void requireGoodStream(const ImuStream& imu);

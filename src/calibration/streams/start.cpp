@@ -10,6 +10,7 @@
 
 #include "calibration/median.hpp"
 #include "calibration/streams/between_images.hpp"
+#include "calibration/streams/check.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
@@ -132,11 +133,6 @@ Alignment align(const RatePairs& pairs, bool mirrored) {
     result.rms += (result.R * pairs.camera[i] + result.bias - pairs.gyro[i]).squaredNorm() / n;
   result.rms = std::sqrt(result.rms);
   return result;
-}
-
-[[noreturn]] void badStream(const ImuStream& imu, const std::string& fault, const std::string& remedy) {
-  throw DataError("slom.calibration.bad-stream",
-                  {.place = imu.file.empty() ? imu.name : imu.file, .fault = fault, .remedy = remedy});
 }
 
 double spreadOf(const std::vector<vec3>& rates) {

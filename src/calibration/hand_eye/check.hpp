@@ -1,0 +1,17 @@
+// Checks of streams and settings before anything is computed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slom/calibration/hand_eye.hpp"
+
+namespace slom::calibration {
+
+/// Throws DataError if streams or settings cannot be used.
+void checkStreams(const PoseStream& hand, const PoseStream& camera, const HandEyeSettings& settings);
+
+/// Returns sentences on equal stamps and gaps of a stream.
+std::vector<std::string> noticesOf(const PoseStream& stream);
+
+}  // namespace slom::calibration
