@@ -81,6 +81,7 @@ struct StreamResult {
   std::string most_changed;        ///< name of that parameter
   std::vector<std::string> notes;  ///< sentences on what the streams lack, and on what contradicts them
 
+  /// Returns whether the fit converged and the data determine all values.
   bool success() const { return converged && undetermined.empty(); }
 };
 

@@ -92,8 +92,9 @@ class ImuSamples {
   /// The samples must be finite, and their times must rise. They must outlive this object.
   explicit ImuSamples(std::span<const ImuSample> samples) : samples_(samples) {}
 
-  double begin() const { return samples_.front().time; }
-  double end() const { return samples_.back().time; }
+  double begin() const { return samples_.front().time; }  ///< of the first sample [s]
+  double end() const { return samples_.back().time; }     ///< of the last sample [s]
+  /// Returns the samples.
   std::span<const ImuSample> all() const { return samples_; }
 
   /// Calls `each(duration, gyro, force)` with the mean readings of each piece between two times: pieces end at samples.

@@ -27,6 +27,7 @@
 
 namespace slom {
 
+/// Readings between two times, integrated once. The comment of this file shows how to insert them.
 class PreintegratedImu {
  public:
   using Covariance9 = Eigen::Matrix<double, 9, 9>;
