@@ -61,7 +61,7 @@ double changeOf(const ImuNoise& before, const ImuNoise& after) {
 }
 
 /// Notes how far the IMUs have moved the parameters of the cameras, in standard deviations of the cameras' own fit.
-void addCameraChange(const Result& cameras, RigProblem& rig, StreamResult& result) {
+void addCameraChange(const Result& cameras, const CamerasStart& now, StreamResult& result) {
   result.largest_camera_change = 0;
   const auto note = [&](const std::string& name, double change, double std) {
     if (!(std > 0) || !(std::abs(change) / std > result.largest_camera_change)) return;
@@ -69,8 +69,8 @@ void addCameraChange(const Result& cameras, RigProblem& rig, StreamResult& resul
     result.most_changed = name;
   };
   const double scale = std::sqrt(cameras.chi2PerDof());
-  const std::vector<Lens> lenses = rig.cameras();
-  const std::vector<SE3> left2camera = rig.rig().left2camera;
+  const std::vector<Lens>& lenses = now.lenses;
+  const std::vector<SE3>& left2camera = now.rig.left2camera;
   for (std::size_t c = 0; c < lenses.size(); ++c) {
     const CameraResult& camera = cameras.cameras[c];
     for (std::size_t i = 0; i < camera.parameters.size(); ++i) {
@@ -125,12 +125,13 @@ StreamResult calibrateStreams(const Dataset& data, const Settings& given, const 
     if (!up) up = upByForces(imu, images, one.start);
     started_imus.push_back(one);
   }
+  CamerasStart start = startOf(cameras);
   Options options = optionsOf(settings);
   options.most_parameters = 0;
   Options quick = options;
   quick.deviation_tolerance = 0.1;
   for (int round = 0; round < most_rounds; ++round) {
-    StreamProblem rough(*on_board, settings, cameras, images, *up, started_imus, stream.gravity);
+    StreamProblem rough(*on_board, settings, start, images, *up, started_imus, stream.gravity);
     if (!rough.optimize(quick).converged) break;
     const std::vector<StartedImu> next = rough.restarted();
     const double ratio = rough.imageRatio();
@@ -140,13 +141,14 @@ StreamResult calibrateStreams(const Dataset& data, const Settings& given, const 
     settings.sigma_px *= ratio;
     started_imus = next;
     up = rough.up();
+    start = rough.cameras();
     if (change < least_change) break;
   }
-  StreamProblem problem(*on_board, settings, cameras, images, *up, started_imus, stream.gravity);
+  StreamProblem problem(*on_board, settings, start, images, *up, started_imus, stream.gravity);
   const Summary summary = problem.optimize(options);
   StreamResult result = problem.result(summary);
   result.sigma_px = settings.sigma_px;
-  addCameraChange(cameras, problem.rig(), result);
+  addCameraChange(cameras, problem.cameras(), result);
   for (std::size_t i = 0; i < imus.size(); ++i) addNotes(imus[i], result.imus[i], result);
   if (result.largest_camera_change > contradiction)
     result.notes.push_back(fmt::format(

@@ -15,19 +15,6 @@
 namespace slom::calibration {
 namespace {
 
-std::vector<Lens> lensesOf(const Result& result) {
-  std::vector<Lens> lenses;
-  for (const CameraResult& camera : result.cameras) lenses.push_back(lensOf(camera));
-  return lenses;
-}
-
-RigStart rigOf(const Result& result) {
-  RigStart rig;
-  for (const CameraResult& camera : result.cameras) rig.left2camera.push_back(camera.left2camera);
-  for (const ImageResult& image : result.images) rig.left2world[image.image] = image.left2world;
-  return rig;
-}
-
 /// Returns v^T C^-1 v.
 template <int N>
 double squaredIn(const Eigen::Matrix<double, N, N>& C, const Eigen::Matrix<double, N, 1>& v) {
@@ -49,14 +36,24 @@ vec3 meanOf(const std::vector<VarID<vec3>>& ids) {
 
 }  // namespace
 
-StreamProblem::StreamProblem(const Dataset& data, const Settings& settings, const Result& cameras,
+CamerasStart startOf(const Result& cameras) {
+  CamerasStart start;
+  for (const CameraResult& camera : cameras.cameras) {
+    start.lenses.push_back(lensOf(camera));
+    start.rig.left2camera.push_back(camera.left2camera);
+  }
+  for (const ImageResult& image : cameras.images) start.rig.left2world[image.image] = image.left2world;
+  return start;
+}
+
+StreamProblem::StreamProblem(const Dataset& data, const Settings& settings, const CamerasStart& cameras,
                              const std::vector<RigAtImage>& images, const mtk::S2<>& up,
                              const std::vector<StartedImu>& imus, double gravity)
     : data_(data),
       settings_(settings),
       images_(images),
       gravity_(gravity),
-      rig_(data, settings, lensesOf(cameras), rigOf(cameras), {}),
+      rig_(data, settings, cameras.lenses, cameras.rig, {}),
       est_(rig_.estimator()) {
   up_ = est_.insertRV(up, true, "up");
   for (const StartedImu& imu : imus) insert(imu);

@@ -21,11 +21,18 @@ struct StartedImu {
   vec3 force_bias{0., 0., 0.};
 };
 
+/// Start values of the cameras.
+struct CamerasStart {
+  std::vector<Lens> lenses;
+  RigStart rig;
+};
+/// Returns the values of the cameras' own fit.
+CamerasStart startOf(const Result& cameras);
+
 class StreamProblem {
  public:
-  /// Builds the problem. `data` (on the fitted board), `settings` and the streams must outlive it. `cameras`: their
-  /// result.
-  StreamProblem(const Dataset& data, const Settings& settings, const Result& cameras,
+  /// Builds the problem. `data` (on the fitted board), `settings` and the streams must outlive it.
+  StreamProblem(const Dataset& data, const Settings& settings, const CamerasStart& cameras,
                 const std::vector<RigAtImage>& images, const mtk::S2<>& up,
                 const std::vector<StartedImu>& imus, double gravity);
 
@@ -41,7 +48,7 @@ class StreamProblem {
   /// errors.
   double imageRatio() const;
   mtk::S2<> up() const { return *up_; }
-  RigProblem& rig() { return rig_; }
+  CamerasStart cameras() const { return {rig_.cameras(), rig_.rig()}; }
 
  private:
   /// The readings between two successive images.
