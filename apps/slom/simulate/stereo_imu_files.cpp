@@ -1,13 +1,13 @@
 #include "simulate/stereo_imu_files.hpp"
 
 #include <string>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "error.hpp"
 #include "output_files.hpp"
+#include "simulate/folder.hpp"
+#include "simulate/truth_json.hpp"
 
 namespace slom::app {
 
@@ -37,30 +37,6 @@ std::string imuCsv(const std::vector<SimulatedAcceleration>& imu) {
   return text;
 }
 
-Json vectorJson(const mtk::vect<3>& v) { return {v.x(), v.y(), v.z()}; }
-
-Json rotationJson(const mtk::SO3<>& rotation) {
-  Json rows = Json::array();
-  const auto R = rotation.toRotationMatrix();
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) rows.push_back(R(i, j));
-  }
-  return rows;
-}
-
-Json poseJson(const mtk::trafo<mtk::SO3<>>& pose) {
-  return {{"rotation", rotationJson(pose.orient)}, {"translation", vectorJson(pose.pos)}};
-}
-
-Json cameraJson(const SimulatedCamera& camera, const mtk::trafo<mtk::SO3<>>& pose_from_left) {
-  Json parameters;
-  const auto add = [&](const char* name, double value) { parameters[name]["value"] = value; };
-  add("fx", camera.fx), add("fy", camera.fy), add("cx", camera.cx), add("cy", camera.cy);
-  add("k1", camera.k1), add("k2", camera.k2), add("p1", camera.p1), add("p2", camera.p2),
-      add("k3", camera.k3);
-  return {{"model", "opencv5"}, {"parameters", parameters}, {"pose_from_left", poseJson(pose_from_left)}};
-}
-
 std::string truthJson(const StereoImuTruth& truth, const StereoImuOptions& options) {
   Json json;
   json["simulation"] = {{"seed", options.seed},
@@ -68,8 +44,8 @@ std::string truthJson(const StereoImuTruth& truth, const StereoImuOptions& optio
                         {"sigma_px", options.sigma_px},
                         {"sigma_acc", options.sigma_acc},
                         {"image_size_px", {truth.image_width_px, truth.image_height_px}}};
-  json["cameras"]["left"] = cameraJson(truth.left, {});
-  json["cameras"]["right"] = cameraJson(truth.right, truth.left2right);
+  json["cameras"]["left"] = cameraJson(truth.left, "pose_from_left", {});
+  json["cameras"]["right"] = cameraJson(truth.right, "pose_from_left", truth.left2right);
   json["imu"] = {{"rotation_from_left", rotationJson(truth.left2imu)},
                  {"acc_bias", vectorJson(truth.acc_bias)},
                  {"gravity", truth.gravity}};
@@ -83,12 +59,7 @@ std::string truthJson(const StereoImuTruth& truth, const StereoImuOptions& optio
 
 void writeStereoImu(const StereoImuData& data, const StereoImuOptions& options,
                     const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw UserError(fmt::format("cannot make the folder {}: {}; give --output a folder that can be written",
-                                folder.string(), error ? error.message() : "something else has this name"));
-  }
+  makeFolder(folder);
   OutputFiles files;
   files.add(folder / "left_corners.csv", cornersCsv(data.left));
   files.add(folder / "right_corners.csv", cornersCsv(data.right));

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -99,64 +102,99 @@ void addNotes(const ImuStream& imu, const ImuStreamResult& fitted, StreamResult&
       imu.name, fitted.gyro_ratio, fitted.force_ratio));
 }
 
+/// Says if cameras and IMU contradict each other.
+void addContradiction(StreamResult& result) {
+  if (!(result.largest_camera_change > contradiction)) return;
+  result.notes.push_back(fmt::format(
+      "With the readings of the IMU, {} is {:.2g} standard deviations from its value by the images alone: images and "
+      "readings contradict each other, for example by errors that corners of an image share.",
+      result.most_changed, result.largest_camera_change));
+}
+
+/// What a fit begins with.
+struct Stage {
+  Settings settings;
+  CamerasStart cameras;
+  std::vector<StartedImu> imus;
+  mtk::S2<> up;
+};
+
+/// Returns the settings of the joint fit: `data` then have the corners where the cameras' fit put them, at the time of
+/// their image.
+Settings settingsOfStreams(const Settings& given, const Result& cameras) {
+  Settings settings = started(given);
+  settings.board_shape = BoardShape::flat;
+  settings.rolling_shutter = false;
+  settings.sigma_denominator = cameras.sigma_denominator;
+  settings.sigma_px = given.sigma_px * std::sqrt(cameras.chi2PerDof());
+  return settings;
+}
+
+std::vector<StartedImu> startImus(const std::vector<ImuStream>& imus, const std::vector<RigAtImage>& images,
+                                  std::int64_t epoch_ns, const StreamSettings& stream) {
+  std::vector<StartedImu> all;
+  for (const ImuStream& imu : imus) {
+    requireGoodStream(imu);
+    std::optional<double> offset = stream.time_offset;
+    if (offset) *offset -= double(imu.epoch_ns - epoch_ns) * 1e-9;
+    all.push_back({&imu, startByRates(imu, images, offset), imu.noise.value_or(usual_noise)});
+  }
+  return all;
+}
+
+/// Estimates the noise of corners and readings in turn with the values, until it stays the same. Corners are at least as
+/// noisy as the cameras' own fit found them. If a fit fails, the stage stays as it is.
+void estimateNoise(const Dataset& data, const std::vector<RigAtImage>& images, Options options,
+                   double gravity, Stage& stage) {
+  const double least_px = stage.settings.sigma_px;
+  options.deviation_tolerance = 0.1;
+  for (int round = 0; round < most_rounds && reasonToEnd(stage.settings.limits).empty(); ++round) {
+    StreamProblem problem(data, stage.settings, stage.cameras, images, stage.up, stage.imus, gravity);
+    if (!problem.optimize(options).converged) return;
+    const double sigma_px = std::max(least_px, stage.settings.sigma_px * limited(problem.imageRatio()));
+    double change = std::abs(std::log(sigma_px / stage.settings.sigma_px));
+    std::vector<StartedImu> imus = problem.restarted();
+    for (std::size_t i = 0; i < imus.size(); ++i)
+      change = std::max(change, changeOf(stage.imus[i].noise, imus[i].noise));
+    stage = {stage.settings, problem.cameras(), std::move(imus), problem.up()};
+    stage.settings.sigma_px = sigma_px;
+    if (change < least_change) return;
+  }
+}
+
 }  // namespace
 
 StreamResult calibrateStreams(const Dataset& data, const Settings& given, const Result& cameras,
                               const std::vector<ImuStream>& imus, const StreamSettings& stream) {
   if (!cameras.success())
     throw DataError("slom.calibration.no-result", "the cameras' own calibration did not succeed", "cameras");
+  if (imus.empty())
+    throw DataError("slom.calibration.bad-stream", "there are no readings; give at least one IMU", "imus");
   const SortedDataset sorted(data);
   const Dataset accepted = asFitted(cameras, withoutRejected(*sorted, cameras));
   const DataOnBoard on_board(accepted, cameras.board);
-  Settings settings = started(given);
-  settings.board_shape = BoardShape::flat;  // at the places that the cameras' fit gave the corners
-  settings.rolling_shutter = false;         // asFitted has moved the pixels back
-  settings.sigma_denominator = cameras.sigma_denominator;
-  settings.sigma_px = given.sigma_px * std::sqrt(cameras.chi2PerDof());
   std::int64_t epoch_ns = 0;
   const std::vector<RigAtImage> images = rigAtImages(*on_board, cameras, epoch_ns);
-  std::vector<StartedImu> started_imus;
-  std::optional<mtk::S2<>> up;
-  for (const ImuStream& imu : imus) {
-    requireGoodStream(imu);
-    std::optional<double> offset = stream.time_offset;
-    if (offset) *offset -= double(imu.epoch_ns - epoch_ns) * 1e-9;
-    StartedImu one{&imu, startByRates(imu, images, offset), imu.noise.value_or(usual_noise)};
-    if (!up) up = upByForces(imu, images, one.start);
-    started_imus.push_back(one);
-  }
-  CamerasStart start = startOf(cameras);
-  Options options = optionsOf(settings);
+  Stage stage{
+      settingsOfStreams(given, cameras), startOf(cameras), startImus(imus, images, epoch_ns, stream), {}};
+  stage.up = upByForces(imus.front(), images, stage.imus.front().start);
+  Options options = optionsOf(stage.settings);
   options.most_parameters = 0;
-  Options quick = options;
-  quick.deviation_tolerance = 0.1;
-  for (int round = 0; round < most_rounds; ++round) {
-    StreamProblem rough(*on_board, settings, start, images, *up, started_imus, stream.gravity);
-    if (!rough.optimize(quick).converged) break;
-    const std::vector<StartedImu> next = rough.restarted();
-    const double ratio = rough.imageRatio();
-    double change = std::abs(std::log(ratio));
-    for (std::size_t i = 0; i < imus.size(); ++i)
-      change = std::max(change, changeOf(started_imus[i].noise, next[i].noise));
-    settings.sigma_px *= ratio;
-    started_imus = next;
-    up = rough.up();
-    start = rough.cameras();
-    if (change < least_change) break;
+  try {
+    estimateNoise(*on_board, images, options, stream.gravity, stage);
+  } catch (const slom::Error&) {
+    // The data leave something open, which the result says.
   }
-  StreamProblem problem(*on_board, settings, start, images, *up, started_imus, stream.gravity);
-  const Summary summary = problem.optimize(options);
-  StreamResult result = problem.result(summary);
-  result.sigma_px = settings.sigma_px;
+  StreamProblem problem(*on_board, stage.settings, stage.cameras, images, stage.up, stage.imus,
+                        stream.gravity);
+  StreamResult result = problem.result(problem.optimize(options));
+  result.sigma_px = stage.settings.sigma_px;
   addCameraChange(cameras, problem.cameras(), result);
-  for (std::size_t i = 0; i < imus.size(); ++i) addNotes(imus[i], result.imus[i], result);
-  if (result.largest_camera_change > contradiction)
-    result.notes.push_back(fmt::format(
-        "With the readings of the IMU, {} is {:.2g} standard deviations from its value by the images alone: images and "
-        "readings contradict each other, for example by errors that corners of an image share.",
-        result.most_changed, result.largest_camera_change));
-  for (std::size_t i = 0; i < imus.size(); ++i)
+  for (std::size_t i = 0; i < imus.size(); ++i) {
+    addNotes(imus[i], result.imus[i], result);
     result.imus[i].time_offset += double(imus[i].epoch_ns - epoch_ns) * 1e-9;
+  }
+  addContradiction(result);
   return result;
 }
 

@@ -4,9 +4,6 @@
 #include <cmath>
 #include <string>
 
-#include <Eigen/Cholesky>
-
-#include "calibration/fit/seen_board.hpp"
 #include "calibration/models/lens.hpp"
 #include "calibration/rotation_vector.hpp"
 #include "calibration/streams/check.hpp"
@@ -15,18 +12,14 @@
 namespace slom::calibration {
 namespace {
 
-/// Returns v^T C^-1 v.
-template <int N>
-double squaredIn(const Eigen::Matrix<double, N, N>& C, const Eigen::Matrix<double, N, 1>& v) {
-  return v.dot(C.llt().solve(v));
-}
-
 /// Returns the number of successive images in a group of errors that may depend on each other: about 48 groups, enough to
 /// join neighbours until the variance no longer grows.
 std::int64_t blockLength(std::size_t images) {
   constexpr std::size_t groups = 48;
   return std::int64_t(std::max<std::size_t>(1, images / groups));
 }
+
+constexpr double least_density = 1e-7;  ///< of noise that is estimated
 
 vec3 meanOf(const std::vector<VarID<vec3>>& ids) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -123,39 +116,6 @@ void StreamProblem::insertWalk(Imu& imu, const ImuNoise& noise) {
   }
 }
 
-/// Returns what a fit leaves of the residuals of a typical interval: the expected squares of the rotation, and of velocity
-/// and position, each whitened.
-std::pair<double, double> StreamProblem::expectedSquares(const Imu& imu) const {
-  constexpr std::size_t most =
-      24;  // intervals, spread evenly; each needs the joint covariance of its variables
-  double gyro = 0, force = 0, count = 0;
-  const std::size_t step = std::max<std::size_t>(1, imu.intervals.size() / most);
-  for (std::size_t k = step / 2; k < imu.intervals.size(); k += step) {
-    const Interval& one = imu.intervals[k];
-    const std::size_t i = one.first;
-    const auto predicted = est_.propagate(
-        ImuBetweenImages(imu.samples, images_[i].time, images_[i + 1].time, gravity_),
-        rig_.poses().at(images_[i].image), imu.velocities[i], imu.gyro_biases[k], imu.force_biases[k],
-        rig_.poses().at(images_[i + 1].image), imu.velocities[i + 1], imu.left2imu, imu.offset, up_);
-    const PreintegratedImu::Covariance9 absorbed = predicted.covariance;
-    gyro += 3 - one.turnNoise().llt().solve(absorbed.topLeftCorner<3, 3>()).trace();
-    force += 6 - one.pushNoise().llt().solve(absorbed.bottomRightCorner<6, 6>()).trace();
-    ++count;
-  }
-  return {gyro / count, force / count};
-}
-
-StreamProblem::Ratios StreamProblem::ratiosOf(const Imu& imu) const {
-  double gyro = 0, force = 0;
-  for (const Interval& one : imu.intervals) {
-    const Eigen::Matrix<double, 9, 1> r = est_.residual(one.id);
-    gyro += squaredIn<3>(one.turnNoise(), r.head<3>()) / double(imu.intervals.size());
-    force += squaredIn<6>(one.pushNoise(), r.tail<6>()) / double(imu.intervals.size());
-  }
-  const auto [gyro_expected, force_expected] = expectedSquares(imu);
-  return {std::sqrt(gyro / gyro_expected), std::sqrt(force / force_expected)};
-}
-
 std::vector<StartedImu> StreamProblem::restarted() const {
   std::vector<StartedImu> all;
   for (const Imu& imu : imus_) {
@@ -165,49 +125,12 @@ std::vector<StartedImu> StreamProblem::restarted() const {
     next.force_bias = meanOf(imu.force_biases);
     if (!imu.stream->noise) {
       const Ratios ratios = ratiosOf(imu);
-      next.noise.gyro *= ratios.gyro;
-      next.noise.force *= ratios.force;
+      next.noise.gyro = std::max(least_density, next.noise.gyro * limited(ratios.gyro));
+      next.noise.force = std::max(least_density, next.noise.force * limited(ratios.force));
     }
     all.push_back(next);
   }
   return all;
-}
-
-double StreamProblem::imageRatio() const {
-  constexpr std::size_t most = 48;  // images, spread evenly, whose poses' covariances are needed
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  const std::size_t step = std::max<std::size_t>(1, images_.size() / most);
-  double squares = 0, expected = 0;
-  for (std::size_t i = 0; i < images_.size(); ++i) {
-    const VarID<SE3> pose = rig_.poses().at(images_[i].image);
-    Matrix6 H = Matrix6::Zero();
-    Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
-    addImage(images_[i].image, *pose, H, g);
-    squares += squaredIn<6>(H, g) / double(images_.size());
-    if (i % step != step / 2) continue;
-    const double count = double((images_.size() - step / 2 + step - 1) / step);
-    expected += (6 - (H * est_.covariance(pose)).trace()) / count;
-  }
-  return std::sqrt(squares / expected);
-}
-
-/// Adds the normal equations of an image's corners for the pose of the rig.
-void StreamProblem::addImage(int image, const SE3& left2world, Eigen::Matrix<double, 6, 6>& H,
-                             Eigen::Matrix<double, 6, 1>& g) const {
-  const std::vector<Lens> lenses = rig_.cameras();
-  const RigStart rig = rig_.rig();
-  for (std::size_t c = 0; c < lenses.size(); ++c) {
-    const View* const view = data_.cameras[c].find(image);
-    if (!view) continue;
-    const SeenBoard board(lenses[c], rig.left2camera[c], left2world);
-    for (const Corner& corner : view->corners) {
-      const SeenBoard::Rows rows = board.rowsOf(corner.world);
-      const double weight = 1 / std::pow(settings_.sigma_px * corner.sigma, 2);
-      const Eigen::Matrix<double, 2, 6> J = rows.byLeft2World();
-      H += weight * J.transpose() * J;
-      g += weight * J.transpose() * (rows.pixel() - corner.pixel);
-    }
-  }
 }
 
 ImuStreamResult StreamProblem::resultOf(const Imu& imu) const {

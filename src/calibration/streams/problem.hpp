@@ -29,6 +29,9 @@ struct CamerasStart {
 /// Returns the values of the cameras' own fit.
 CamerasStart startOf(const Result& cameras);
 
+/// Returns a factor for a standard deviation, kept within limits: residuals may be 0, or too few to say anything.
+double limited(double ratio);
+
 class StreamProblem {
  public:
   /// Builds the problem. `data` (on the fitted board), `settings` and the streams must outlive it.
@@ -76,13 +79,19 @@ class StreamProblem {
     double gyro = unknown, force = unknown;
   };
 
+  /// The gradient of the pose of the rig at an image, from the corners of that image, and its derivatives: by this pose,
+  /// the parameters of all lenses, and the poses left2camera of all cameras but the first.
+  struct PullOfImage {
+    Eigen::MatrixXd by_variables;  ///< 6 rows
+    Eigen::Matrix<double, 6, 1> gradient;
+  };
+
   void insert(const StartedImu& started);
   void insertIntervals(Imu& imu, const StartedImu& started);
   void insertWalk(Imu& imu, const ImuNoise& noise);
   Ratios ratiosOf(const Imu& imu) const;
   std::pair<double, double> expectedSquares(const Imu& imu) const;
-  void addImage(int image, const SE3& left2world, Eigen::Matrix<double, 6, 6>& H,
-                Eigen::Matrix<double, 6, 1>& g) const;
+  PullOfImage pullOf(int image, const CamerasStart& now) const;
   ImuStreamResult resultOf(const Imu& imu) const;
   void addStandardDeviations(StreamResult& result);
   void addClustered(StreamResult& result);
