@@ -13,12 +13,6 @@
 namespace slom::calibration {
 namespace {
 
-std::string nameOf(const ImuStream& imu) { return imu.file.empty() ? imu.name : imu.file; }
-
-[[noreturn]] void badStream(const ImuStream& imu, const std::string& fault, const std::string& remedy) {
-  throw DataError("slom.calibration.bad-stream", {.place = nameOf(imu), .fault = fault, .remedy = remedy});
-}
-
 /// Refuses forces in units of gravity or thousandths of it: their median magnitude is then far from 9.8.
 void requireForcesInUnits(const ImuStream& imu) {
   constexpr double gravity = 9.81, spread = 1.5;
@@ -51,6 +45,12 @@ std::size_t saturated(const ImuStream& imu, const Value& value) {
 }
 
 }  // namespace
+
+std::string nameOf(const ImuStream& imu) { return imu.file.empty() ? imu.name : imu.file; }
+
+void badStream(const ImuStream& imu, const std::string& fault, const std::string& remedy) {
+  throw DataError("slom.calibration.bad-stream", {.place = nameOf(imu), .fault = fault, .remedy = remedy});
+}
 
 void requireGoodStream(const ImuStream& imu) {
   if (imu.samples.size() < 2) badStream(imu, "there are fewer than two readings", "give a recording");

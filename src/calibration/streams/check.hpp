@@ -9,6 +9,12 @@
 
 namespace slom::calibration {
 
+/// Returns the file of an IMU or, if that is empty, its name: with it messages begin.
+std::string nameOf(const ImuStream& imu);
+
+/// Throws DataError [slom.calibration.bad-stream].
+[[noreturn]] void badStream(const ImuStream& imu, const std::string& fault, const std::string& remedy);
+
 /// Throws DataError [slom.calibration.bad-stream] if samples are not finite, their times do not rise, there are fewer than
 /// two, a density of the noise is not positive, or the forces are not in m/s^2.
 void requireGoodStream(const ImuStream& imu);

@@ -100,7 +100,7 @@ void StreamProblem::insert(const StartedImu& started) {
   insertWalk(imu, started.noise);
   if (imu.intervals.empty())
     throw DataError("slom.calibration.bad-stream",
-                    {.place = started.stream->file.empty() ? name : started.stream->file,
+                    {.place = nameOf(*started.stream),
                      .fault = "there are no readings between any two successive images",
                      .remedy = "give images and readings of the same motion"});
 }

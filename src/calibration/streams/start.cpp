@@ -9,6 +9,7 @@
 
 #include "calibration/median.hpp"
 #include "calibration/streams/between_images.hpp"
+#include "calibration/streams/check.hpp"
 #include "calibration/streams/rates.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -43,11 +44,6 @@ Peak bestOnGrid(double first, double last, double step, std::size_t fewest,
     if (evidence > best.evidence) best = {offset, r, evidence};
   }
   return best;
-}
-
-[[noreturn]] void badStream(const ImuStream& imu, const std::string& fault, const std::string& remedy) {
-  throw DataError("slom.calibration.bad-stream",
-                  {.place = imu.file.empty() ? imu.name : imu.file, .fault = fault, .remedy = remedy});
 }
 
 double spreadOf(const std::vector<vec3>& rates) {
@@ -97,7 +93,7 @@ void requireAxes(const ImuStream& imu, const RatePairs& pairs, const Alignment& 
   if (axis.sum() < 0) axis = -axis;
   throw DataError(
       "slom.calibration.no-motion",
-      {.place = imu.file.empty() ? imu.name : imu.file,
+      {.place = nameOf(imu),
        .fault = fmt::format(
            "the rig turns about one axis only, ({:.2f}, {:.2f}, {:.2f}) in the axes of the IMU, so the position of the "
            "IMU along this axis is not determined",
@@ -150,7 +146,7 @@ void refine(const ImuStream& imu, const std::vector<RigAtImage>& images, RatesSt
 RatesStart startByRates(const ImuStream& imu, const std::vector<RigAtImage>& images,
                         const std::optional<double>& given) {
   const std::vector<CameraRate> rates = cameraRates(images);
-  const std::string place = imu.file.empty() ? imu.name : imu.file;
+  const std::string place = nameOf(imu);
   if (rates.size() < 10)
     throw DataError("slom.calibration.bad-stream",
                     {.place = place,
