@@ -90,8 +90,8 @@ struct StreamResult {
 ///
 /// Throws DataError:
 ///   bad-stream    samples that are not finite, or whose times do not rise; no common time with the images; fewer than
-///                 two images with readings between; readings in degrees, in units of gravity, or of axes of the other
-///                 hand; images without times
+///                 two images with readings between; readings in degrees, in units of gravity, of axes of the other
+///                 hand, or forces in other axes than angular velocities; images without times
 ///   no-motion     angular rates of cameras and IMU that do not correlate, so that no time offset is found; turns about
 ///                 one axis only
 ///   no-result     `cameras` did not succeed

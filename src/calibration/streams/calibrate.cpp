@@ -10,6 +10,7 @@
 #include "calibration/fit/as_fitted.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/streams/check.hpp"
+#include "calibration/streams/forces.hpp"
 #include "calibration/streams/problem.hpp"
 #include "slom/calibration/error.hpp"
 #include "slom/calibration/imu_stream.hpp"
@@ -122,6 +123,7 @@ StreamResult calibrateStreams(const Dataset& data, const Settings& given, const 
     std::optional<double> offset = stream.time_offset;
     if (offset) *offset -= double(imu.epoch_ns - epoch_ns) * 1e-9;
     StartedImu one{&imu, startByRates(imu, images, offset), imu.noise.value_or(usual_noise)};
+    requireForcesOfMotion(imu, images, one.start);
     if (!up) up = upByForces(imu, images, one.start);
     started_imus.push_back(one);
   }
