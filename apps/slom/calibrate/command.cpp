@@ -213,7 +213,7 @@ std::string failureOf(const Result& result) {
 std::string failureOf(const StreamResult& streams) {
   if (streams.success()) return "";
   return "the calibration of the IMU failed: " +
-         (streams.undetermined.empty() || !streams.converged ? streams.message : streams.undetermined);
+         (streams.undetermined.empty() ? streams.message : streams.undetermined);
 }
 
 /// Refuses words that belong to no option. If one of them is a file, it most often belongs to a camera.

@@ -14,14 +14,14 @@ using mtk::testing::Random;
 
 // Streams of random numbers.
 constexpr std::uint32_t kMotionStream = 1;
-constexpr std::uint32_t kPixelStream = 2;
+constexpr std::uint32_t kCornerStream = 2;
 constexpr std::uint32_t kReadingStream = 3;
 constexpr std::uint32_t kWalkStream = 4;
 
 constexpr int kViewsBefore = 20;  // 1 s apart, if the motion is not full
 
 /// Returns two cameras of 752 x 480 px, 11 cm apart, and gravity along a board that leans back a little.
-StereoImuStreamData device() {
+StereoImuStreamData deviceInMotion() {
   StereoImuStreamData data;
   data.image_width_px = 752;
   data.image_height_px = 480;
@@ -171,8 +171,8 @@ mtk::trafo<mtk::SO3<>> SimulatedPath::operator()(double time) const {
 }
 
 StereoImuStreamData simulateStereoImuStream(const StereoImuStreamOptions& options) {
-  StereoImuStreamData data = device();
-  Random pixel_random(options.seed, kPixelStream);
+  StereoImuStreamData data = deviceInMotion();
+  Random pixel_random(options.seed, kCornerStream);
   double first = 0;
   if (options.motion != SimulatedMotion::full) {
     const SimulatedPath around(options, SimulatedMotion::full);

@@ -68,7 +68,8 @@ struct ImuStreamResult {
 struct StreamResult {
   bool converged = false;
   std::string stop_reason, message;
-  std::string undetermined;  ///< why there are no standard deviations; empty: there are
+  /// Why there are no standard deviations; empty: there are, or the fit has not converged.
+  std::string undetermined;
   int iterations = 0;
   std::size_t unknowns = 0, measurements = 0;
   double sigma_px = 0;                     ///< of a corner, as the cameras' own fit found it [px]
@@ -90,9 +91,10 @@ struct StreamResult {
 ///
 /// Throws DataError:
 ///   bad-stream    samples that are not finite, or whose times do not rise; no common time with the images; fewer than
-///                 two images with readings between; readings in degrees, in units of gravity, or of axes of the other
-///                 hand; images without times
-///   no-motion     angular velocities of cameras and IMU that do not correlate, so that no time offset is found
+///                 two images with readings between; readings in degrees, in units of gravity, of axes of the other
+///                 hand, or forces in other axes than angular velocities; images without times
+///   no-motion     angular velocities of cameras and IMU that do not correlate, so that no time offset is found; turns about
+///                 one axis only
 ///   no-result     `cameras` did not succeed
 StreamResult calibrateStreams(const Dataset& data, const Settings& settings, const Result& cameras,
                               const std::vector<ImuStream>& imus, const StreamSettings& stream = {});

@@ -21,9 +21,9 @@ namespace slom::calibration {
 /// The readings are integrated anew for each value of the offset and the biases.
 class ImuBetweenImages {
  public:
-  /// Takes the times of two images, in the clock of the cameras [s]. The samples must outlive this object.
+  /// Takes the times of two images, in the clock of the cameras [s]. What the samples refer to must outlive this object.
   ImuBetweenImages(const ImuSamples& samples, double from, double to, double gravity)
-      : samples_(&samples), from_(from), to_(to), gravity_(gravity) {}
+      : samples_(samples), from_(from), to_(to), gravity_(gravity) {}
 
   auto operator()(const auto& left2world_i, const auto& velocity_i, const auto& gyro_bias,
                   const auto& force_bias, const auto& left2world_j, const auto& velocity_j,
@@ -42,7 +42,7 @@ class ImuBetweenImages {
                       const mtk::vect<3, D>& force_bias) const {
     const D shift(offset);
     if constexpr (std::is_same_v<D, double>) {
-      return samples_->motion(from_ + shift, to_ + shift, withoutBias(gyro_bias, force_bias));
+      return samples_.motion(from_ + shift, to_ + shift, withoutBias(gyro_bias, force_bias));
     } else {
       using Local = mtk::SparseDual<double, mtk::detail::lowColumns(7)>;
       const auto seed = [](const D& x, int column) {
@@ -54,7 +54,7 @@ class ImuBetweenImages {
       mtk::vect<3, Local> gyro, force;
       for (int i = 0; i < 3; ++i) gyro[i] = seed(gyro_bias[i], 1 + i), force[i] = seed(force_bias[i], 4 + i);
       const ImuMotion<Local> moved =
-          samples_->motion(from_ + local_shift, to_ + local_shift, withoutBias(gyro, force));
+          samples_.motion(from_ + local_shift, to_ + local_shift, withoutBias(gyro, force));
       D change[7] = {shift - shift.value()};
       for (int i = 0; i < 3; ++i) {
         change[1 + i] = gyro_bias[i] - gyro_bias[i].value();
@@ -80,7 +80,7 @@ class ImuBetweenImages {
   }
 
  private:
-  const ImuSamples* samples_;
+  ImuSamples samples_;
   double from_, to_, gravity_;
 };
 

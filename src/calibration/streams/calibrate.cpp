@@ -13,6 +13,7 @@
 #include "calibration/fit/as_fitted.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/streams/check.hpp"
+#include "calibration/streams/forces.hpp"
 #include "calibration/streams/problem.hpp"
 #include "slom/calibration/error.hpp"
 #include "slom/calibration/imu_stream.hpp"
@@ -138,6 +139,7 @@ std::vector<StartedImu> startImus(const std::vector<ImuStream>& imus, const std:
     std::optional<double> offset = stream.time_offset;
     if (offset) *offset -= double(imu.epoch_ns - epoch_ns) * 1e-9;
     all.push_back({&imu, startByRates(imu, images, offset), imu.noise.value_or(usual_noise)});
+    requireForcesOfMotion(imu, images, all.back().start);
   }
   return all;
 }

@@ -13,8 +13,6 @@
 namespace slom::calibration {
 namespace {
 
-std::string nameOf(const ImuStream& imu) { return imu.file.empty() ? imu.name : imu.file; }
-
 /// Refuses forces in units of gravity or thousandths of it: their median magnitude is then far from 9.8.
 void requireForcesInUnits(const ImuStream& imu) {
   constexpr double gravity = 9.81, spread = 1.5;
@@ -47,6 +45,8 @@ std::size_t saturated(const ImuStream& imu, const Value& value) {
 }
 
 }  // namespace
+
+std::string nameOf(const ImuStream& imu) { return imu.file.empty() ? imu.name : imu.file; }
 
 void badStream(const ImuStream& imu, const std::string& fault, const std::string& remedy) {
   throw DataError("slom.calibration.bad-stream", {.place = nameOf(imu), .fault = fault, .remedy = remedy});

@@ -9,7 +9,10 @@
 
 namespace slom::calibration {
 
-/// Throws DataError [slom.calibration.bad-stream] about a stream.
+/// Returns the file of an IMU or, if that is empty, its name: with it messages begin.
+std::string nameOf(const ImuStream& imu);
+
+/// Throws DataError [slom.calibration.bad-stream].
 [[noreturn]] void badStream(const ImuStream& imu, const std::string& fault, const std::string& remedy);
 
 /// Throws DataError [slom.calibration.bad-stream] if samples are not finite, their times do not rise, there are fewer than

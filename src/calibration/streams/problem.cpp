@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 
 #include "calibration/models/lens.hpp"
 #include "calibration/rotation_vector.hpp"
@@ -20,6 +24,37 @@ std::int64_t blockLength(std::size_t images) {
 }
 
 constexpr double least_density = 1e-7;  ///< of noise that is estimated
+
+/// Returns a sentence on the direction in which the pose of an IMU is hardly determined, or nothing. `covariance`: of
+/// left2imu.
+std::string openDirectionOf(const std::string& name, const Eigen::MatrixXd& covariance) {
+  constexpr double most = 0.1;  // m and rad: what a ruler finds
+  const auto sentence = [&](const char* what, int first, double unit, const char* unit_name,
+                            const char* frame) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance.block<3, 3>(first, first));
+    const double std = std::sqrt(std::max(0., axes.eigenvalues()[2]));
+    if (std < most) return std::string();
+    const Eigen::Vector3d axis = axes.eigenvectors().col(2);
+    return fmt::format(
+        "{} of {} {} ({:.2f}, {:.2f}, {:.2f}) in the axes of {} is known to {:.2g} {} only; turn the rig about all axes, "
+        "quickly",
+        what, name, first == 0 ? "along" : "about", axis[0], axis[1], axis[2], frame, std * unit, unit_name);
+  };
+  const std::string place = sentence("the position", 0, 1, "m", "the IMU");
+  return place.empty() ? sentence("the orientation", 3, 180 / std::numbers::pi, "deg", "the reference camera")
+                       : place;
+}
+
+/// Removes all standard deviations.
+void forgetDeviations(StreamResult& result) {
+  result.gravity_direction_std = unknown;
+  const vec3 none(unknown, unknown, unknown);
+  for (ImuStreamResult& imu : result.imus) {
+    imu.translation_std = imu.translation_clustered = imu.rotation_std = imu.rotation_clustered = none;
+    imu.rotation_vector_std = imu.rotation_vector_clustered = none;
+    imu.time_offset_std = imu.time_offset_clustered = unknown;
+  }
+}
 
 vec3 meanOf(const std::vector<VarID<vec3>>& ids) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -64,7 +99,7 @@ void StreamProblem::insert(const StartedImu& started) {
   insertWalk(imu, started.noise);
   if (imu.intervals.empty())
     throw DataError("slom.calibration.bad-stream",
-                    {.place = started.stream->file.empty() ? name : started.stream->file,
+                    {.place = nameOf(*started.stream),
                      .fault = "there are no readings between any two successive images",
                      .remedy = "give images and readings of the same motion"});
 }
@@ -172,10 +207,11 @@ StreamResult StreamProblem::result(const Summary& summary) {
   for (const Imu& imu : imus_) result.imus.push_back(resultOf(imu));
   try {
     addStandardDeviations(result);
-    addClustered(result);
+    if (summary.converged && result.undetermined.empty()) addClustered(result);
   } catch (const slom::Error& error) {
     result.undetermined = sentenceOf(error);
   }
+  if (!result.success()) forgetDeviations(result);
   return result;
 }
 
@@ -183,11 +219,11 @@ void StreamProblem::addStandardDeviations(StreamResult& result) {
   result.gravity_direction_std = est_.standardDeviation(up_).maxCoeff();
   for (std::size_t i = 0; i < imus_.size(); ++i) {
     ImuStreamResult& imu = result.imus[i];
-    const Eigen::VectorXd pose = est_.standardDeviation(imus_[i].left2imu);
-    imu.translation_std = vec3(pose.head<3>());
-    imu.rotation_std = vec3(pose.tail<3>());
-    imu.rotation_vector_std =
-        rotationVectorStd(imu.left2imu.orient, est_.covariance(imus_[i].left2imu).bottomRightCorner<3, 3>());
+    const Eigen::MatrixXd pose = est_.covariance(imus_[i].left2imu);
+    if (result.undetermined.empty()) result.undetermined = openDirectionOf(imu.name, pose);
+    imu.translation_std = vec3(pose.diagonal().head<3>().cwiseSqrt());
+    imu.rotation_std = vec3(pose.diagonal().tail<3>().cwiseSqrt());
+    imu.rotation_vector_std = rotationVectorStd(imu.left2imu.orient, pose.bottomRightCorner<3, 3>());
     imu.time_offset_std = est_.standardDeviation(imus_[i].offset)[0];
     const Ratios ratios = ratiosOf(imus_[i]);
     imu.gyro_ratio = ratios.gyro;

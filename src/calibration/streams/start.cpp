@@ -4,80 +4,17 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "calibration/median.hpp"
 #include "calibration/streams/between_images.hpp"
 #include "calibration/streams/check.hpp"
+#include "calibration/streams/rates.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
 namespace {
-
-constexpr double longest_pair = 0.5;  // s; images farther apart say little about the rate between them
-
-/// The mean angular velocity between two images, in the reference camera.
-struct CameraRate {
-  double from = 0, to = 0;
-  vec3 rate;
-};
-
-std::vector<CameraRate> cameraRates(const std::vector<RigAtImage>& images) {
-  std::vector<CameraRate> rates;
-  for (std::size_t i = 1; i < images.size(); ++i) {
-    const RigAtImage &a = images[i - 1], &b = images[i];
-    const double duration = b.time - a.time;
-    if (duration > longest_pair) continue;
-    const SO3 turn = a.left2world.orient.inverse() * b.left2world.orient;
-    rates.push_back({a.time, b.time, vec3(SO3::log(turn) / duration)});
-  }
-  return rates;
-}
-
-/// The integral of the angular velocity, for means over intervals.
-class GyroIntegral {
- public:
-  explicit GyroIntegral(const std::vector<ImuSample>& samples) : samples_(samples) {
-    sums_.emplace_back(0., 0., 0.);
-    for (std::size_t i = 1; i < samples.size(); ++i) {
-      const double h = samples[i].time - samples[i - 1].time;
-      sums_.push_back(vec3(sums_.back() + (samples[i].gyro + samples[i - 1].gyro) * (h / 2)));
-    }
-  }
-  bool covers(double from, double to) const {
-    return from >= samples_.front().time && to <= samples_.back().time;
-  }
-  vec3 mean(double from, double to) const { return vec3((at(to) - at(from)) / (to - from)); }
-
- private:
-  vec3 at(double time) const {
-    const auto next = std::upper_bound(samples_.begin() + 1, samples_.end() - 1, time,
-                                       [](double t, const ImuSample& s) { return t < s.time; });
-    const std::size_t i = std::size_t(next - samples_.begin());
-    const double along = (time - samples_[i - 1].time) / (samples_[i].time - samples_[i - 1].time);
-    return vec3(sums_[i - 1] + (sums_[i] - sums_[i - 1]) * along);
-  }
-
-  const std::vector<ImuSample>& samples_;
-  std::vector<vec3> sums_;
-};
-
-/// Rates of both sensors in the same intervals.
-struct RatePairs {
-  std::vector<vec3> camera, gyro;
-};
-
-RatePairs pairsAt(double offset, const std::vector<CameraRate>& rates, const GyroIntegral& gyro) {
-  RatePairs pairs;
-  for (const CameraRate& one : rates) {
-    if (!gyro.covers(one.from + offset, one.to + offset)) continue;
-    pairs.camera.push_back(one.rate);
-    pairs.gyro.push_back(gyro.mean(one.from + offset, one.to + offset));
-  }
-  return pairs;
-}
 
 /// Returns the correlation of the magnitudes.
 double correlationOf(const RatePairs& pairs) {
@@ -109,32 +46,6 @@ Peak bestOnGrid(double first, double last, double step, std::size_t fewest,
   return best;
 }
 
-/// The rotation, or with `mirrored` the rotation and reflection, that best moves the camera's rates to the gyroscope's.
-struct Alignment {
-  Eigen::Matrix3d R;
-  vec3 bias;
-  double rms = 0;
-};
-
-Alignment align(const RatePairs& pairs, bool mirrored) {
-  const double n = double(pairs.camera.size());
-  Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = a;
-  for (std::size_t i = 0; i < pairs.camera.size(); ++i) a += pairs.camera[i] / n, b += pairs.gyro[i] / n;
-  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < pairs.camera.size(); ++i)
-    B += (pairs.gyro[i] - b) * (pairs.camera[i] - a).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() * (mirrored ? -1 : 1);
-  Alignment result;
-  result.R =
-      svd.matrixU() * Eigen::Vector3d(1, 1, sign > 0 ? 1 : -1).asDiagonal() * svd.matrixV().transpose();
-  result.bias = vec3(b - result.R * a);
-  for (std::size_t i = 0; i < pairs.camera.size(); ++i)
-    result.rms += (result.R * pairs.camera[i] + result.bias - pairs.gyro[i]).squaredNorm() / n;
-  result.rms = std::sqrt(result.rms);
-  return result;
-}
-
 double spreadOf(const std::vector<vec3>& rates) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const vec3& rate : rates) mean += rate / double(rates.size());
@@ -164,6 +75,30 @@ void requireUnitsAndHand(const ImuStream& imu, const RatePairs& pairs) {
         fmt::format("the angular velocities fit axes of the other hand: {:.2g} rad/s off instead of {:.2g}",
                     mirrored, right),
         "change the sign of one axis, or exchange two, in angular velocity and force");
+}
+
+/// Refuses turns about one axis: the place of the IMU along the axis then changes no reading.
+void requireAxes(const ImuStream& imu, const RatePairs& pairs, const Alignment& aligned) {
+  constexpr double least_share = 0.01;  // of the second axis in the rates: about what noise amounts to
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (const vec3& rate : pairs.gyro) {
+    const Eigen::Vector3d turn = rate - aligned.bias;
+    squares += turn * turn.transpose() / double(pairs.gyro.size());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(squares);
+  const double largest = std::sqrt(axes.eigenvalues()[2]),
+               second = std::sqrt(std::max(0., axes.eigenvalues()[1]));
+  if (second >= least_share * largest) return;
+  Eigen::Vector3d axis = axes.eigenvectors().col(2);
+  if (axis.sum() < 0) axis = -axis;
+  throw DataError(
+      "slom.calibration.no-motion",
+      {.place = nameOf(imu),
+       .fault = fmt::format(
+           "the rig turns about one axis only, ({:.2f}, {:.2f}, {:.2f}) in the axes of the IMU, so the position of the "
+           "IMU along this axis is not determined",
+           axis[0], axis[1], axis[2]),
+       .remedy = "turn the rig about all axes"});
 }
 
 /// The turn between two images as the gyroscope says, minus that of the camera.
@@ -211,7 +146,7 @@ void refine(const ImuStream& imu, const std::vector<RigAtImage>& images, RatesSt
 RatesStart startByRates(const ImuStream& imu, const std::vector<RigAtImage>& images,
                         const std::optional<double>& given) {
   const std::vector<CameraRate> rates = cameraRates(images);
-  const std::string place = imu.file.empty() ? imu.name : imu.file;
+  const std::string place = nameOf(imu);
   if (rates.size() < 10)
     throw DataError("slom.calibration.bad-stream",
                     {.place = place,
@@ -236,7 +171,8 @@ RatesStart startByRates(const ImuStream& imu, const std::vector<RigAtImage>& ima
               "give images and readings of the same motion");
   peak = bestOnGrid(peak.offset - step, peak.offset + step, step / 20, fewest, rates, gyro);
   constexpr double least_correlation = 0.5;
-  if (peak.correlation < least_correlation)
+  constexpr double least_evidence = 6;  // the best of all offsets reaches 4 by chance
+  if (peak.correlation < least_correlation || peak.evidence < least_evidence)
     throw DataError(
         "slom.calibration.no-motion",
         {.place = place,
@@ -247,6 +183,7 @@ RatesStart startByRates(const ImuStream& imu, const std::vector<RigAtImage>& ima
   const RatePairs pairs = pairsAt(peak.offset, rates, gyro);
   requireUnitsAndHand(imu, pairs);
   const Alignment aligned = align(pairs, false);
+  requireAxes(imu, pairs, aligned);
   RatesStart start{peak.offset, SO3(aligned.R), aligned.bias, peak.correlation};
   refine(imu, images, start);
   return start;
