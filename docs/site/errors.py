@@ -14,6 +14,9 @@ MOST_MESSAGES = 4  # of one id
 BY_HAND = {  # whose tests compare the text in parts
     "slom.calibration.no-pose": ("left.csv: 3 images that camera right shares with camera left give no finite pose between the two",
                                  "look for corners and world points that are wrong"),
+    "slom.calibration.no-motion": ("imu0.csv: the angular velocities and the turns of the cameras correlate by 0.21 at best, so their clocks cannot be "
+                                   "compared",
+                                   "give images and readings of the same motion, with quick turns about all axes"),
     "slom.calibration.no-start": ("left.csv: no start values were found at which the lens sees all corners",
                                   "look for corners that are far off, or leave them out by Settings::robust"),
     "slom.calibration.too-few-data": ("left.csv: the corners give 16 numbers for 21 unknowns of the model opencv5",

@@ -40,6 +40,31 @@ class ResultInMemory : public ::testing::Test {
 
 TEST_F(ResultInMemory, IsAssessedWithItsData) { EXPECT_EQ(assessmentOf(data), "no error"); }
 
+TEST_F(ResultInMemory, OfKnownLensesIsAssessed) {
+  for (const auto& [name, value] : {std::pair("fx", 500.),
+                                    {"fy", 500.},
+                                    {"cx", 320.},
+                                    {"cy", 240.},
+                                    {"k1", 0.},
+                                    {"k2", 0.},
+                                    {"p1", 0.},
+                                    {"p2", 0.}})
+    settings.lens.push_back({"", name, value, value});
+  for (const bool has_imu : {true, false}) {
+    for (const std::size_t cameras :
+         {2, 1}) {  // of one camera without an IMU, the poses of the images are all unknowns
+      Dataset known = data;
+      known.cameras.resize(cameras);
+      if (!has_imu) known.imu.reset();
+      const Result fitted = calibrate(known, settings);
+      ASSERT_TRUE(fitted.success());
+      EXPECT_EQ(fitted.cameras[0].parameters[0].std, 0);
+      const Quality quality = assess(known, settings, fitted);
+      EXPECT_FALSE(quality.patterns.empty());
+    }
+  }
+}
+
 TEST_F(ResultInMemory, OfOtherCameras) {
   Dataset other = data;
   other.cameras.pop_back();
