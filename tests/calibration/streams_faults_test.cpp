@@ -1,4 +1,7 @@
 // Streams that cannot be used, and motions that leave something open: each is refused with a whole sentence.
+#include <cmath>
+#include <functional>
+
 #include <gtest/gtest.h>
 
 #include "calibration/simulated_streams.hpp"
@@ -235,6 +238,43 @@ TEST(StreamMotion, OfAnotherRigIsNotTheSame) {
                    streamOf(app::simulateStereoImuStream(other)),
                    "the angular velocities and the turns of the cameras correlate by ", other_motion);
   }
+}
+
+/// Magnitudes that correlate by chance are not enough.
+TEST(StreamMotion, DirectionsOfTurnsMustAgree) {
+  const app::StereoImuStreamOptions options = quickStream(49), other = quickStream(1049);
+  expectNoMotion(
+      options, datasetOf(options, app::simulateStereoImuStream(options)),
+      streamOf(app::simulateStereoImuStream(other)), "the angular velocities vary by ",
+      " rad/s from those of the cameras, turned as fits best; give images and readings of the same motion, "
+      "with quick turns about all axes");
+}
+
+/// With so much noise, the accelerometer hardly tells where it sits: nothing is promised.
+TEST(StreamMotion, PosesThatAreHardlyKnownAreUndetermined) {
+  app::StereoImuStreamOptions options = quickStream(2);
+  options.noise.force = 0.5;
+  const auto simulated = app::simulateStereoImuStream(options);
+  const Dataset data = datasetOf(options, simulated);
+  Settings settings;
+  settings.sigma_px = options.sigma_px;
+  ImuStream imu = streamOf(simulated);
+  imu.noise = options.noise;
+  const StreamResult result = calibrateStreams(data, settings, calibrate(data, settings), {imu});
+  EXPECT_TRUE(result.converged);
+  EXPECT_FALSE(result.success());
+  EXPECT_EQ(
+      result.undetermined,
+      "the position of imu0 along (-0.08, 0.04, 1.00) in the axes of the IMU is known to 0.12 m only; turn the rig "
+      "about all axes, quickly");
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(std::isnan(result.imus[0].translation_std[i]));
+    EXPECT_TRUE(std::isnan(result.imus[0].rotation_std[i]));
+    EXPECT_TRUE(std::isnan(result.imus[0].translation_clustered[i]));
+  }
+  EXPECT_TRUE(std::isnan(result.imus[0].time_offset_std));
+  EXPECT_TRUE(std::isnan(result.gravity_direction_std));
+  EXPECT_NEAR(result.imus[0].time_offset, options.time_offset, 1e-3);  // gyroscope and cameras agree
 }
 
 TEST(StreamMotion, AboutOneAxisLeavesAPositionOpen) {

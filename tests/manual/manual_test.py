@@ -12,6 +12,8 @@ import unittest
 
 COMMAND, MANUAL = sys.argv[1:3]
 SUBCOMMANDS = ["bundle", "calibrate", "graph", "hand-eye", "replay", "simulate"]
+DEVICES = ["stereo-imu", "stereo-imu-stream"]
+COMMANDS = [[name] for name in SUBCOMMANDS] + [["simulate", device] for device in DEVICES]
 
 
 def run(*words):
@@ -45,11 +47,11 @@ class Manual(unittest.TestCase):
             return file.read()
 
     def test_there_is_a_page_for_each_subcommand(self):
-        pages = {"slom.1", "slom-simulate-stereo-imu.1", *(f"slom-{name}.1" for name in SUBCOMMANDS)}
+        pages = {"slom.1", *("-".join(["slom", *words]) + ".1" for words in COMMANDS)}
         self.assertEqual(set(os.listdir(self.folder)), pages)
 
     def test_pages_have_all_options_and_texts(self):
-        for words in [[name] for name in SUBCOMMANDS] + [["simulate", "stereo-imu"]]:
+        for words in COMMANDS:
             page = self.page("-".join(["slom", *words])).replace("\\-", "-").replace("\\&", "").replace("\\e", "\\")
             self.assertIn("slom 1.2.3", page)
             self.assertGreater(len(options_of(words)), 0)
@@ -61,7 +63,7 @@ class Manual(unittest.TestCase):
                 self.assertIn(" ".join(text.split()), said)
 
     def test_help_fits_a_screen(self):
-        for words in [[]] + [[name] for name in SUBCOMMANDS] + [["simulate", "stereo-imu"]]:
+        for words in [[], *COMMANDS]:
             lines = run(COMMAND, *words, "--help").stdout.rstrip().split("\n")
             self.assertLessEqual(len(lines), 50, words)
             for line in lines + help_of(words).split("\n"):
@@ -85,9 +87,9 @@ class Manual(unittest.TestCase):
     def test_completion(self):
         self.assertEqual(completed(""), SUBCOMMANDS)
         self.assertEqual(completed("ca"), ["calibrate"])
-        self.assertEqual(completed("simulate", ""), ["stereo-imu"])
+        self.assertEqual(completed("simulate", ""), DEVICES)
         self.assertEqual(completed("graph", "map", "--al"), ["--algorithm"])
-        for words in [[name] for name in SUBCOMMANDS] + [["simulate", "stereo-imu"]]:
+        for words in COMMANDS:
             self.assertEqual(completed(*words, "--"), options_of(words))
         for words in (["--algorithm", ""], ["--algorithm", "="]):
             self.assertEqual(completed("graph", *words), ["gn", "lm", "dogleg"])

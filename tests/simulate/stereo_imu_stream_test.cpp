@@ -133,8 +133,8 @@ TEST(StereoImuStreamCommand, WritesFiveFilesThatDependOnTheSeed) {
     const std::string name = entry.path().filename();
     names.insert(name);
     EXPECT_EQ(readFile(folder / ("a/" + name)), readFile(folder / ("b/" + name))) << name;
-    if (name != "imu.yaml")
-      EXPECT_NE(readFile(folder / ("a/" + name)), readFile(folder / ("c/" + name))) << name;
+    if (name == "imu.yaml") continue;
+    EXPECT_NE(readFile(folder / ("a/" + name)), readFile(folder / ("c/" + name))) << name;
   }
   EXPECT_EQ(names, (std::set<std::string>{"cam0_corners.csv", "cam1_corners.csv", "imu.yaml", "imu0.csv",
                                           "truth.json"}));

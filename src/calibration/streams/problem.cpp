@@ -34,7 +34,8 @@ std::string openDirectionOf(const std::string& name, const Eigen::MatrixXd& cova
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance.block<3, 3>(first, first));
     const double std = std::sqrt(std::max(0., axes.eigenvalues()[2]));
     if (std < most) return std::string();
-    const Eigen::Vector3d axis = axes.eigenvectors().col(2);
+    Eigen::Vector3d axis = axes.eigenvectors().col(2);
+    if (axis.sum() < 0) axis = -axis;
     return fmt::format(
         "{} of {} {} ({:.2f}, {:.2f}, {:.2f}) in the axes of {} is known to {:.2g} {} only; turn the rig about all axes, "
         "quickly",

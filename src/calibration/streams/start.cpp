@@ -77,6 +77,20 @@ void requireUnitsAndHand(const ImuStream& imu, const RatePairs& pairs) {
         "change the sign of one axis, or exchange two, in angular velocity and force");
 }
 
+/// Refuses angular velocities that follow those of the cameras in magnitude, but not in direction.
+void requireSameMotion(const ImuStream& imu, const RatePairs& pairs, const Alignment& aligned) {
+  constexpr double most_share = 0.7;  // half of the squares
+  const double spread = spreadOf(pairs.gyro);
+  if (aligned.rms <= most_share * spread) return;
+  throw DataError(
+      "slom.calibration.no-motion",
+      {.place = nameOf(imu),
+       .fault = fmt::format(
+           "the angular velocities vary by {:.2g} rad/s and are {:.2g} rad/s from those of the cameras, turned as fits best",
+           spread, aligned.rms),
+       .remedy = "give images and readings of the same motion, with quick turns about all axes"});
+}
+
 /// Refuses turns about one axis: the place of the IMU along the axis then changes no reading.
 void requireAxes(const ImuStream& imu, const RatePairs& pairs, const Alignment& aligned) {
   constexpr double least_share = 0.01;  // of the second axis in the rates: about what noise amounts to
@@ -183,6 +197,7 @@ RatesStart startByRates(const ImuStream& imu, const std::vector<RigAtImage>& ima
   const RatePairs pairs = pairsAt(peak.offset, rates, gyro);
   requireUnitsAndHand(imu, pairs);
   const Alignment aligned = align(pairs, false);
+  requireSameMotion(imu, pairs, aligned);
   requireAxes(imu, pairs, aligned);
   RatesStart start{peak.offset, SO3(aligned.R), aligned.bias, peak.correlation};
   refine(imu, images, start);
