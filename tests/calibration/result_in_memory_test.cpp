@@ -91,13 +91,13 @@ TEST_F(ResultInMemory, OfOtherImages) {
 }
 
 TEST_F(ResultInMemory, OfAnotherImu) {
+  Dataset without = data;
+  without.imu.reset();
+  expectRefused(without, "there is an IMU only in the result");
+  Dataset shorter = data;
+  shorter.imu->readings.pop_back();
+  expectRefused(shorter, "the number of IMU readings is 5 in the data and 6 in the result");
   Dataset other = data;
-  other.imu.reset();
-  expectRefused(other, "there is an IMU only in the result");
-  other = data;
-  other.imu->readings.pop_back();
-  expectRefused(other, "the number of IMU readings is 5 in the data and 6 in the result");
-  other = data;
   other.imu->readings[2].image = 70;
   const std::string unknown_image =
       "[slom.calibration.imu-images] imu.readings[2]: there are no corners of image 70 in any camera; correct "

@@ -161,7 +161,7 @@ TEST_F(StreamFaults, DensitiesThatAreNotPositive) {
 }
 
 TEST_F(StreamFaults, ImagesWithoutTimes) {
-  Dataset other = data;
+  Dataset other = datasetOf(options, simulated);
   other.cameras[0].views[4].time_ns.reset();
   try {
     calibrateStreams(other, settings, camera, {good()});
