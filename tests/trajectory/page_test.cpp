@@ -30,7 +30,7 @@ struct PoseAtTime {
   auto operator()(const auto& pose, double t) const { return pose.poseAt(t); }
 };
 
-/// What a gyroscope reads whose clock is `offset` behind.
+/// What a gyroscope reads. Its clock shows t when the clock of the trajectory shows t + offset.
 struct GyroRate {
   auto operator()(const auto& pose, const auto& offset, const auto& bias, double t) const {
     return pose.angularVelocityAt(t + offset) + bias;

@@ -250,12 +250,12 @@ void run(const RawOptions& raw) {
   Result result = inWordsOfOptions(
       settings, [&] { return calibrateByChoice(data, settings, choicesOf(settings), progressOf(settings)); });
   if (result.comparison) result.comparison = inWordsOfOptions(settings, *result.comparison);
-  assessResult(data, settings, result);
-  if (!settings.quiet) say(reportText(result));
   std::optional<StreamResult> streams;
   if (!imus.empty() && result.success())
     streams = inWordsOfOptions(
         settings, [&] { return calibrateStreams(data, settings, result, imus, settings.stream); });
+  assessResult(data, settings, result);
+  if (!settings.quiet) say(reportText(result, streams ? "verdict on the cameras" : "verdict"));
   if (streams && !settings.quiet) say(streamLines(*streams, result.cameras.front().name));
   writeFiles(data, result, streams, settings, numbers);
   std::string failure = failureOf(result);

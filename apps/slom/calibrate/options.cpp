@@ -20,7 +20,7 @@ slom calibrate --camera left=left_corners.csv --camera right=right_corners.csv -
                --json result.json --output calibration.yaml
 
 Calibrate cameras, and an IMU on their rig, from images of a board.
-Needs no start values. The first camera is the reference. With an IMU, the board must lie level.
+Needs no start values. The first camera is the reference. With --imu, the board must lie level.
 
 Photographs:  the last number in a file's name is the number of the image.
 Corner files: image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px

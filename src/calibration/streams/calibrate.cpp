@@ -57,6 +57,7 @@ constexpr int most_rounds = 20;
 constexpr double least_change = 0.02;
 
 constexpr double contradiction = 5;  ///< standard deviations
+constexpr double much_noise = 10;    ///< times the usual one
 constexpr double far_off = 1.5;      ///< ratio of noise
 
 double changeOf(const ImuNoise& before, const ImuNoise& after) {
@@ -96,7 +97,17 @@ void addNotes(const ImuStream& imu, const ImuStreamResult& fitted, StreamResult&
   for (std::string& note : notesOf(imu)) result.notes.push_back(std::move(note));
   const double most = std::max(fitted.gyro_ratio, fitted.force_ratio),
                least = std::min(fitted.gyro_ratio, fitted.force_ratio);
-  if (!fitted.noise_is_given || (most < far_off && least > 1 / far_off)) return;
+  if (!fitted.noise_is_given) {
+    const double times =
+        std::max(fitted.noise.gyro / usual_noise.gyro, fitted.noise.force / usual_noise.force);
+    if (times > much_noise)
+      result.notes.push_back(fmt::format(
+          "The readings of {} fit the motion of the cameras as if they had {:.2g} times the noise of a usual sensor: "
+          "check the size of the board, and whether the IMU is fixed to the cameras.",
+          imu.name, times));
+    return;
+  }
+  if (most < far_off && least > 1 / far_off) return;
   result.notes.push_back(fmt::format(
       "The residuals of {}'s gyroscope are {:.2g} and those of its accelerometer {:.2g} times what the given noise "
       "predicts; without --imu-noise, the noise is estimated.",
@@ -108,7 +119,8 @@ void addContradiction(StreamResult& result) {
   if (!(result.largest_camera_change > contradiction)) return;
   result.notes.push_back(fmt::format(
       "With the readings of the IMU, {} is {:.2g} standard deviations from its value by the images alone: images and "
-      "readings contradict each other, for example by errors that corners of an image share.",
+      "readings contradict each other, for example by a board of another size than stated, or by errors that corners of an image "
+      "share.",
       result.most_changed, result.largest_camera_change));
 }
 

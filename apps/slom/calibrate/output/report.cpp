@@ -220,10 +220,10 @@ std::string boardText(const Dataset& data) {
 }
 
 /// Returns the verdict on a usable result. If the result is not usable, the command ends with a reason instead.
-std::string verdictLines(const Result& result) {
+std::string verdictLines(const Result& result, const char* heading) {
   if (!result.quality || !result.success() || !unsoundnessOf(result).isNone()) return "";
   const Verdict verdict = verdictOf(result);
-  std::string text = fmt::format("\nverdict: {}\n", toString(verdict.level)) + bulleted(verdict.sentence);
+  std::string text = fmt::format("\n{}: {}\n", heading, toString(verdict.level)) + bulleted(verdict.sentence);
   for (std::size_t i = 1; i < verdict.doubts.size(); ++i)  // the sentence has the first
     text += bulleted(capitalised(verdict.doubts[i]) + ".");
   return text;
@@ -256,7 +256,7 @@ std::string singleCameraText(const SingleCameraReport& alone) {
   return fmt::format("  {:<10}{}; start: {}\n", alone.camera->name, outcome, alone.start);
 }
 
-std::string reportText(const Result& result) {
+std::string reportText(const Result& result, const char* heading_of_verdict) {
   std::string text = outcomeText(outcomeOf(result));
   for (const CameraResult& camera : result.cameras) text += cameraLines(result, camera);
   if (result.imu) text += imuLines(result, *result.imu);
@@ -266,7 +266,7 @@ std::string reportText(const Result& result) {
   const std::vector<std::string> sentences = notes(result);
   if (!sentences.empty()) text += "\nnotes\n";
   for (const std::string& sentence : sentences) text += bulleted(sentence);
-  return text + verdictLines(result);
+  return text + verdictLines(result, heading_of_verdict);
 }
 
 }  // namespace slom::app::calib

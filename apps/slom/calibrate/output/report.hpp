@@ -17,6 +17,6 @@ std::string aloneHeader(const CommandSettings& settings);
 std::string singleCameraText(const SingleCameraReport& alone);
 
 /// Returns the whole report.
-std::string reportText(const Result& result);
+std::string reportText(const Result& result, const char* heading_of_verdict = "verdict");
 
 }  // namespace slom::app::calib
