@@ -12,9 +12,9 @@ namespace slom::calibration::testing {
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Returns six images of a board of 7 x 5 corners by two pinholes with f = 500 px, 0.1 m apart, and an IMU reading for
+/// Returns images, usually six, of a board of 7 x 5 corners by two pinholes with f = 500 px, 0.1 m apart, and an IMU reading for
 /// each. Noise of about 0.1 px and 0.01 m/s^2 is the same in each run.
-inline Dataset rigInMemory() {
+inline Dataset rigInMemory(int images = 6) {
   double phase = 0;
   const auto noise = [&](double size) { return size * std::sin(phase += 1.7); };
   Dataset data;
@@ -25,7 +25,7 @@ inline Dataset rigInMemory() {
     data.cameras.push_back(camera);
   }
   data.imu.emplace();
-  for (int image = 0; image < 6; ++image) {
+  for (int image = 0; image < images; ++image) {
     const SE3 world2left(SO3::exp(vec3(0.4 * std::sin(image), 0.4 * std::cos(2 * image), 0.1 * image)) *
                              SO3::exp(vec3(3.14159265, 0., 0.)),
                          vec3(-0.1, 0.1, 0.6 + 0.02 * image));

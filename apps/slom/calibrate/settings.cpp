@@ -344,7 +344,7 @@ void checkFixedOfImu(CommandSettings& settings) {
   if (!settings.imu_file.empty()) return;
   if (!settings.imu_streams.empty()) fixed.gravity.reset();
   if (fixed.acc_bias || fixed.gravity) {
-    throw UserError(fmt::format("--fix {}: there is no IMU at rest; add --imu FILE or drop --fix",
+    throw UserError(fmt::format("--fix {}: there is no IMU; add --imu FILE or drop --fix",
                                 fixed.acc_bias ? "acc_bias" : "gravity"));
   }
 }

@@ -35,8 +35,8 @@ CameraFile parseNamed(const std::string& option, const std::string& text, const 
   if (!isName(name)) {
     throw UserError(
         fmt::format("{} {}: the name must begin with a letter and contain only letters, digits, _ and -; "
-                    "rename the sensor",
-                    option, text));
+                    "rename the {}",
+                    option, text, option.starts_with("--imu") ? "IMU" : "camera"));
   }
   return {name, text.substr(equals + 1)};
 }

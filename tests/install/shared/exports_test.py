@@ -21,8 +21,8 @@ template <int> int openInput() { return 0; }
 template int openInput<0>(); template int openInput<1>(); template int openInput<2>(); template int openInput<3>(); template int openInput<4>();
 template int openInput<5>(); template int openInput<6>(); template int openInput<7>(); template int openInput<8>(); template int openInput<9>();
 #ifdef FAULTS
-struct Scene { struct Inner { void fill(); }; };
-void Scene::Inner::fill() {}
+struct Scene { struct Inner { void fillByPrivateMeans(); }; };
+void Scene::Inner::fillByPrivateMeans() {}
 void readWholeByPrivateMeans() {}
 #endif
 }
@@ -47,7 +47,7 @@ class Exports(unittest.TestCase):
     def test_that_are_not_meant_to_be_are_named(self):
         self.assertEqual(sorted(set(self.faults("-DFAULTS"))), [
             "fmt::Buffer::~Buffer(), which is not of slom::io::",
-            "slom::io::Scene::Inner::fill(), which no header in include/ declares",
+            "slom::io::Scene::Inner::fillByPrivateMeans(), which no header in include/ declares",
             "slom::io::readWholeByPrivateMeans(), which no header in include/ declares",
             "slom::optimize(), which is not of slom::io::",
             "typeinfo for fmt::Buffer, which is not of slom::io::",
