@@ -63,27 +63,28 @@ std::vector<ImuFile> parseImuStreams(const std::vector<std::string>& streams,
                                      const std::vector<CameraFile>& cameras) {
   std::vector<ImuFile> imus;
   for (const std::string& text : streams) {
-    const auto [name, file] =
+    const NamedFileText named =
         parseNamedFile("--imu-stream", text, "NAME=FILE, as in --imu-stream imu0=imu0.csv");
-    const auto has_name = [&](const auto& one) { return one.name == name; };
+    const auto has_name = [&](const auto& one) { return one.name == named.name; };
     if (std::any_of(imus.begin(), imus.end(), has_name) ||
         std::any_of(cameras.begin(), cameras.end(), has_name))
       throw UserError(
-          fmt::format("--imu-stream {}: the name {} is taken; give each sensor its own", text, name));
-    imus.push_back({name, file, ""});
+          fmt::format("--imu-stream {}: the name {} is taken; give each sensor its own", text, named.name));
+    imus.push_back({named.name, named.file, ""});
   }
   for (const std::string& text : noises) {
-    const auto [name, file] =
+    const NamedFileText named =
         parseNamedFile("--imu-noise", text, "NAME=FILE, as in --imu-noise imu0=imu.yaml");
     const auto imu =
-        std::find_if(imus.begin(), imus.end(), [&](const ImuFile& one) { return one.name == name; });
+        std::find_if(imus.begin(), imus.end(), [&](const ImuFile& one) { return one.name == named.name; });
     if (imu == imus.end())
       throw UserError(
           fmt::format("--imu-noise {0}: there is no IMU {1}; add --imu-stream {1}=FILE, or correct the name",
-                      text, name));
+                      text, named.name));
     if (!imu->noise_file.empty())
-      throw UserError(fmt::format("--imu-noise {}: the noise of {} is given twice; keep one", text, name));
-    imu->noise_file = file;
+      throw UserError(
+          fmt::format("--imu-noise {}: the noise of {} is given twice; keep one", text, named.name));
+    imu->noise_file = named.file;
   }
   return imus;
 }
