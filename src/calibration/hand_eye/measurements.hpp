@@ -63,7 +63,8 @@ struct MotionResidual {
   auto operator()(const auto& X, const auto& shift, const auto& scale) const {
     const auto hand_a = from.hand(numberIn(shift)), hand_b = to.hand(numberIn(shift));
     const auto camera_a = from.camera(numberIn(shift)), camera_b = to.camera(numberIn(shift));
-    const auto hand_back = hand_a.orient.inverse(), camera_back = camera_a.orient.inverse();
+    const auto hand_back = hand_a.orient.inverse();
+    const auto camera_back = camera_a.orient.inverse();
     const auto A = hand_back * hand_b.orient;
     const auto by_hand = (A * X.pos + hand_back * (hand_b.pos - hand_a.pos)).eval();
     const auto seen = (camera_back * (camera_b.pos - camera_a.pos)).eval();
