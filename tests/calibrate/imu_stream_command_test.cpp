@@ -169,10 +169,10 @@ TEST_F(ImuStreamCommand, BadTables) {
   const std::string header = "t_ns,wx,wy,wz,ax,ay,az\n";
   refuses(
       "",
-      "bad.csv: there is no reading; give rows with time, 3 angular velocities [rad/s], 3 specific forces [m/s^2]");
+      "bad.csv: the file has no readings; write a row for each, with time, 3 angular velocities [rad/s], 3 specific forces [m/s^2]");
   refuses(
       header,
-      "bad.csv: there is no reading; give rows with time, 3 angular velocities [rad/s], 3 specific forces "
+      "bad.csv: the file has no readings; write a row for each, with time, 3 angular velocities [rad/s], 3 specific forces "
       "[m/s^2]");
   refuses(header + "1,0,0,0,0,0,9\n", "bad.csv: there is only one reading; give a recording");
 }

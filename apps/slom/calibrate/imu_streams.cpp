@@ -1,37 +1,16 @@
 #include "calibrate/imu_streams.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
+#include "calibrate/output/report.hpp"
 #include "calibrate/sources.hpp"
 #include "error.hpp"
-#include "fitting/progress.hpp"
-#include "printable.hpp"
 #include "text.hpp"
 
 namespace slom::app::calib {
 namespace {
-
-/// Returns `  name   value +- std   +- clustered  unit`.
-std::string line(const std::string& name, double value, double std, double clustered,
-                 const std::string& unit) {
-  const ValueText text = withStd(value, std);
-  const auto plusMinus = [&](double s) {
-    return s > 0 && std::isfinite(s) ? "+- " + withStd(value, s).std : std::string("?");
-  };
-  return fmt::format("  {:<14}{:>12} {:<13}{:<13}{}\n", name, text.value, plusMinus(std),
-                     plusMinus(clustered), unit);
-}
-
-std::string lines(const std::string& name, const vec3& value, const vec3& std, const vec3& clustered,
-                  const std::string& unit) {
-  std::string text;
-  for (int i = 0; i < 3; ++i)
-    text += line(fmt::format("{}.{}", name, "xyz"[i]), value[i], std[i], clustered[i], unit);
-  return text;
-}
 
 std::string numbers(const vec3& v) { return fmt::format("{:.6f} {:.6f} {:.6f}", v[0], v[1], v[2]); }
 
@@ -39,14 +18,12 @@ std::string imuLines(const ImuStreamResult& imu, const std::string& reference) {
   std::string text = fmt::format("\nimu {}: {} between {} pairs of images\n", imu.name,
                                  plural(imu.samples, "reading"), imu.intervals);
   text += fmt::format("  {:<26} {:<13}{}\n", "", "stated", "clustered");
-  text +=
-      line("time offset", 1000 * imu.time_offset, 1000 * imu.time_offset_std,
-           1000 * imu.time_offset_clustered, fmt::format("ms, t_{} = t_{} + offset", imu.name, reference));
+  text += valueLine("time offset", 1000 * imu.time_offset, 1000 * imu.time_offset_std,
+                    1000 * imu.time_offset_clustered,
+                    fmt::format("ms, t_{} = t_{} + offset", imu.name, reference));
   text += fmt::format("  from {0} to {1}, p_{1} = R p_{0} + t:\n", reference, imu.name);
-  text += lines("translation", imu.left2imu.pos, imu.translation_std, imu.translation_clustered, "m");
-  text +=
-      lines("rotation", vec3(SO3::log(imu.left2imu.orient) * degrees),
-            vec3(imu.rotation_vector_std * degrees), vec3(imu.rotation_vector_clustered * degrees), "deg");
+  text += vectorLines("translation", imu.left2imu.pos, imu.translation_std, imu.translation_clustered, "m");
+  text += rotationLines(imu.left2imu.orient, imu.rotation_vector_std, imu.rotation_vector_clustered);
   text += fmt::format("  gyro bias     {} rad/s\n  acc bias      {} m/s^2\n", numbers(imu.gyro_bias),
                       numbers(imu.force_bias));
   return text +

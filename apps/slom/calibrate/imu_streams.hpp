@@ -1,7 +1,6 @@
 // IMUs in motion: the streams that options name, and what the results say about them.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

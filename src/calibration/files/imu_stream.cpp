@@ -41,7 +41,8 @@ struct Table {
       add(trimmed(text.substr(0, end)), ++line);
       text.remove_prefix(std::min(end + 1, text.size()));
     }
-    if (rows.empty()) badFile(fmt::format("{}: there is no reading; give rows with {}", file, row_text));
+    if (rows.empty())
+      badFile(fmt::format("{}: the file has no readings; write a row for each, with {}", file, row_text));
   }
 
   [[noreturn]] void fail(int line, const std::string& sentence) const {

@@ -98,7 +98,7 @@ void setDeviations(const Deviations& own, const Freedom& freedom, bool is_cluste
   auto NumberEstimate::*number = is_clustered ? &NumberEstimate::std_clustered : &NumberEstimate::std;
   result.hand_T_camera.*std = own.X;
   hideFree(freedom, 0, result.hand_T_camera.*std);
-  // What is free in X is free in Y, in a way that depends on the mean pose.
+  // If a direction of X is free, a direction of Y is free, too. The mean pose says which.
   if (result.base_T_target) {
     if (freedom.directions.empty())
       (*result.base_T_target).*std = own.Y;

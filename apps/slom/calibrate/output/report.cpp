@@ -26,17 +26,14 @@ std::string plusMinus(double value, double std) {
   return std > 0 && std::isfinite(std) ? "+- " + text.std : text.std;
 }
 
-/// Returns `  name        value +- std        +- clustered  unit`, without the second column if there is none.
+}  // namespace
+
 std::string valueLine(const std::string& name, double value, double std, double clustered,
                       const std::string& unit) {
   const std::string second = std > 0 && !std::isnan(clustered) ? plusMinus(value, clustered) : "";
   const std::string line = fmt::format("  {:<14}{:>12} {:<13}{:<13}{}", name, withStd(value, std).value,
                                        plusMinus(value, std), second, unit);
   return line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
-}
-
-std::string columnTitles(const Result& result) {
-  return result.clustered ? fmt::format("  {:<26} {:<13}{}\n", "", "stated", "clustered") : "";
 }
 
 std::string vectorLines(const std::string& name, const vec3& value, const vec3& std, const vec3& clustered,
@@ -47,10 +44,15 @@ std::string vectorLines(const std::string& name, const vec3& value, const vec3& 
   return text;
 }
 
-/// Returns the lines of a rotation: its rotation vector with standard deviations.
 std::string rotationLines(const SO3& R, const vec3& std, const vec3& clustered) {
   return vectorLines("rotation", vec3(SO3::log(R) * degrees), vec3(std * degrees), vec3(clustered * degrees),
                      "deg");
+}
+
+namespace {
+
+std::string columnTitles(const Result& result) {
+  return result.clustered ? fmt::format("  {:<26} {:<13}{}\n", "", "stated", "clustered") : "";
 }
 
 std::string unitOf(const std::string& parameter) {
