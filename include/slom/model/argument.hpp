@@ -7,52 +7,12 @@
 #include <utility>
 
 #include "slom/model/function.hpp"
+#include "slom/model/measured.hpp"
 #include "slom/model/measurement.hpp"
 #include "slom/model/prediction.hpp"
 #include "slom/model/vectorized.hpp"
 
 namespace slom {
-
-namespace detail {
-
-/// Returns what is stored for an argument: the value of an Eigen expression, any other argument unchanged.
-template <class T>
-auto plainValue(const T& x) {
-  if constexpr (requires { typename T::PlainObject; }) {
-    // Types derived from Eigen's vectors stay unchanged; expressions are evaluated.
-    if constexpr (requires { []<class D>(const Eigen::PlainObjectBase<D>&) {}(x); }) {
-      return x;
-    } else {
-      return typename T::PlainObject(x);
-    }
-  } else {
-    return x;
-  }
-}
-template <class T>
-using PlainValue = decltype(plainValue(std::declval<const std::decay_t<T>&>()));
-
-/// The type of the marked datum; double for integers.
-template <class Z>
-using DatumType =
-    std::conditional_t<std::is_integral_v<Z> && !std::is_same_v<Z, bool>, double, PlainValue<Z>>;
-
-}  // namespace detail
-
-/// Marks the datum z. The callable then predicts a Z, and the library forms the residual f(Y) [-] z. Integers are
-/// converted to double; expressions of Eigen are evaluated.
-template <class Datum>
-auto measured(const Datum& z) {
-  using Z = detail::DatumType<Datum>;
-  static_assert((mtk::requireManifold<Z>(), true));
-  if constexpr (requires { typename mtk::scalar_t<Z>; }) {
-    static_assert(
-        std::is_same_v<mtk::scalar_t<Z>, double>,
-        "slom: the datum of slom::measured must consist of doubles; this one consists of float, integers "
-        "or other numbers, which round the residual so that it has no derivatives");
-  }
-  return Measured<Z>{Z(z)};
-}
 
 namespace detail {
 
@@ -69,6 +29,14 @@ struct Argument<VarID<T>> {
 };
 template <class Z>
 struct Argument<Measured<Z>> {
+  static constexpr bool hasDoubles() {
+    if constexpr (requires { typename mtk::scalar_t<Z>; }) return std::is_same_v<mtk::scalar_t<Z>, double>;
+    return true;
+  }
+  static_assert(
+      hasDoubles(),
+      "slom: the datum of slom::measured must consist of doubles; this one consists of float, integers "
+      "or other numbers, which round the residual so that it has no derivatives");
   using Stored = Measured<Z>;
   using Passed = std::tuple<>;
 };

@@ -6,6 +6,7 @@
 
 #include "mtk/rebind.hpp"
 #include "slom/model/accepted_call.hpp"
+#include "slom/model/carries_derivatives.hpp"
 #include "slom/model/vectorized.hpp"
 
 namespace slom {
@@ -73,20 +74,6 @@ int runtimeDof(const VarArg<T>& variable) {
   return mtk::dof(*variable);
 }
 
-/// Returns whether a function's result consists of dual numbers. A function that returns doubles for every input has no
-/// derivatives.
-template <class R>
-constexpr bool carriesDerivatives() {
-  if constexpr (mtk::detail::is_std_array<R>) {
-    return carriesDerivatives<typename R::value_type>();
-  } else if constexpr (mtk::Manifold<R>) {  // first, because R::Scalar of mtk::Scalar is its own name
-    return mtk::detail::is_dual<mtk::scalar_t<R>>;
-  } else if constexpr (requires { typename R::Scalar; }) {
-    return mtk::detail::is_dual<typename R::Scalar>;
-  } else {
-    return requires(const R& x) { x.partials(); };
-  }
-}
 /// The function's argument for a DualArgument, without the class around it.
 template <class Stored, class D>
 struct DualPassed {

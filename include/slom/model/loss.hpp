@@ -20,35 +20,20 @@
 #pragma once
 
 #include <compare>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
 
 #include "mtk/detail/cpp20.hpp"
+#include "slom/model/loss_kinds.hpp"
 
 namespace slom {
 
-/// rho and its derivatives with respect to s.
-struct LossValue {
-  double rho = 0;
-  double first = 1;   ///< rho', the weight
-  double second = 0;  ///< rho''
-};
-
-/// Common properties of all losses of one name.
-struct LossKind {
-  const char* name;  ///< `GemanMcClure`
-  /// `geman-mcclure`, the name in archives and options of slom; null for losses that a program defines.
-  const char* stored_name;
-  bool has_shape;
-  /// Returns phi(t), phi'(t), phi''(t) at scale 1, where s = t.
-  LossValue (*evaluate)(double t, double shape);
-};
-
 /// The table of losses: SCALED for losses with only a scale, SHAPED for losses with a shape before the scale. A new
-/// loss is a line here, and a file in src/model/losses that defines its kind. Everything else is made from this table:
-/// the class, the declaration of its kind, losses(), and the names in archives and in slom.
+/// loss is a line here, and a kind in loss_kinds.hpp. Everything else is made from this table: the class, losses(), and
+/// the names in archives and in slom.
 // clang-format off
 #define SLOM_LOSSES(SCALED, SHAPED) \
   SCALED(Huber)                     \
@@ -58,12 +43,6 @@ struct LossKind {
   SCALED(GemanMcClure)              \
   SHAPED(Barron) /* Barron(alpha, c) with alpha <= 2; -infinity is allowed */
 // clang-format on
-
-namespace detail::losses {
-#define SLOM_LOSS_KIND(Name) extern const LossKind Name;
-SLOM_LOSSES(SLOM_LOSS_KIND, SLOM_LOSS_KIND)
-#undef SLOM_LOSS_KIND
-}  // namespace detail::losses
 
 /// Returns the losses of the library, in the order of the table.
 std::span<const LossKind* const> losses();
@@ -87,15 +66,26 @@ class Loss {
   double shape() const { return shape_; }
 
   /// Returns rho and its derivatives at s >= 0, finite, with the scale c sqrt(graduation).
-  LossValue evaluate(double s, double graduation = 1) const;
+  LossValue evaluate(double s, double graduation = 1) const {
+    if (kind_ == nullptr) return {s, 1, 0};
+    const double c2 = scale_ * scale_ * graduation, t = s / c2, most = std::numeric_limits<double>::max();
+    const LossValue unit = kind_->evaluate(t < most ? t : most, shape_);
+    return {c2 * unit.rho, unit.first, unit.second / c2};
+  }
   /// Returns text such as `Huber(1.345)`, `Barron(-2, 1.5)`, `none`.
   std::string text() const;
+  /// Returns whether the scale is good and the shape is up to 2.
+  constexpr bool hasGoodNumbers() const { return hasGoodScale() && shape_ <= 2; }
+  /// Returns whether the scale is positive with a square in the range of double.
+  constexpr bool hasGoodScale() const { return scale_ >= 1 / kMostScale && scale_ <= kMostScale; }
   /// Returns the fault of the loss's numbers, such as `has scale -1; pass ...`; empty if there is none.
   std::string fault() const;
 
   auto operator<=>(const Loss&) const = default;
 
  private:
+  static constexpr double kMostScale = 1e150;  // squares are normal numbers
+
   const LossKind* kind_ = nullptr;
   double scale_ = 1;
   double shape_ = 0;

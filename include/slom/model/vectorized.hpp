@@ -14,24 +14,14 @@
 #include "mtk/rebind.hpp"
 #include "slom/model/function.hpp"
 #include "slom/model/indices.hpp"
+#include "slom/model/measured.hpp"
 #include "slom/model/prediction.hpp"
 #include "slom/model/values.hpp"
 #include "slom/model/var_id.hpp"
 
 namespace slom {
 
-/// A measured value of a manifold Z; see `measured`.
-template <class Z>
-struct Measured {
-  Z value;
-};
-
 namespace detail {
-
-template <class A>
-inline constexpr bool is_measured = false;
-template <class Z>
-inline constexpr bool is_measured<Measured<Z>> = true;
 
 /// Returns the content of a stored argument, as the function gets it or the library subtracts it.
 template <class A>
