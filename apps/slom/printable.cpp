@@ -93,6 +93,9 @@ std::string xmlText(std::string_view text) {
 
 void say(const std::string& text) { std::fputs(printable(text).c_str(), stdout); }
 
-void sayError(const std::string& text) { std::fputs(printable(text).c_str(), stderr); }
+void sayError(const std::string& text) {
+  std::fflush(stdout);  // both may go to one file
+  std::fputs(printable(text).c_str(), stderr);
+}
 
 }  // namespace slom::app

@@ -18,6 +18,7 @@ FOLDERS = {  # in the order of the library's rooms, with the words of docs/archi
     "slom/linearize": "residuals and Jacobians", "slom/solve": "linear solvers", "slom/online": "fits that follow their data",
     "slom/optimize": "algorithms, options, summaries", "slom/analyze": "uncertainty and diagnostics",
     "slom/tape": "measurement functions as data", "slom/trajectory": "B-splines as functions of time",
+    "slom/filter": "Kalman filters", "slom/filter/models": "ready models for filters",
     "slom/initialize": "start values of maps",
     "slom/io": "files", "slom/calibration": "calibration of cameras and an IMU",
 }

@@ -1,4 +1,4 @@
-// The numbers and pictures of docs/background, least squares and manifolds in ten pages.
+// The numbers and pictures of docs/background, least squares and manifolds in eleven pages.
 //
 //   example_background                  prints the numbers of all pages, one after another
 //   example_background --picture=NAME   prints the picture of one page as SVG
@@ -8,8 +8,8 @@
 #include "pages.hpp"
 
 int main(int argc, char** argv) {
-  const Page* const pages[] = {&kMeasurement, &kLine,        &kNonlinear,    &kAngles,   &kTangent,
-                               &kSparse,      &kUncertainty, &kUndetermined, &kOutliers, &kDerivatives};
+  const Page* const pages[] = {&kMeasurement, &kLine,         &kNonlinear, &kAngles,      &kTangent, &kSparse,
+                               &kUncertainty, &kUndetermined, &kOutliers,  &kDerivatives, &kMotion};
   constexpr const char* option = "--picture=";
   for (const Page* page : pages) {
     if (argc < 2) {

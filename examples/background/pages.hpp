@@ -10,4 +10,4 @@ struct Page {
 };
 
 extern const Page kMeasurement, kLine, kNonlinear, kAngles, kTangent, kSparse, kUncertainty, kUndetermined,
-    kOutliers, kDerivatives;
+    kOutliers, kDerivatives, kMotion;

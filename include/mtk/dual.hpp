@@ -106,7 +106,7 @@ class SparseDual {
   template <class T>
     requires(std::is_arithmetic_v<T> || std::is_same_v<T, S>)
   SparseDual(const T& constant)
-      : v_(constant), d_(Partials::zero()) {}  // NOLINT(google-explicit-constructor)
+      : v_(S(constant)), d_(Partials::zero()) {}  // NOLINT(google-explicit-constructor)
   SparseDual(const S& value, const Partials& partials) : v_(value), d_(partials) {}
   /// Creates a number with the partial derivatives that make() returns, without copying them.
   template <class Make>

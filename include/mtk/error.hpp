@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdio>
+#include <cstdlib>
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
@@ -66,6 +67,15 @@ namespace detail {
   return text;
 }
 
+/// Throws the error. Without exceptions (-fno-exceptions, on microcontrollers) it ends the program.
+[[noreturn, gnu::noinline, gnu::cold]] inline void raise([[maybe_unused]] const Error& error) {
+#if defined(__cpp_exceptions)
+  throw error;
+#else
+  std::abort();
+#endif
+}
+
 /// Throws an error whose sentence contains numbers: `before`(1, 2.5, 0)`after`.
 [[noreturn, gnu::noinline, gnu::cold]] inline void raiseBadNumbers(const char* id, const char* before,
                                                                    std::initializer_list<double> numbers,
@@ -74,7 +84,7 @@ namespace detail {
   for (const double& x : numbers) {
     text += (&x == numbers.begin() ? "(" : ", ") + classicText("%.6g", x);
   }
-  throw Error(id, text + ")" + after);
+  raise(Error(id, text + ")" + after));
 }
 
 }  // namespace detail

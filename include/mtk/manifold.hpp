@@ -95,9 +95,9 @@ template <class X, class Y>
 void requireSameSize(const X& x, const Y& y, const char* operation) {
   if constexpr (X::SizeAtCompileTime == Dynamic || Y::SizeAtCompileTime == Dynamic) {
     if (x.size() == y.size()) return;
-    throw Error("mtk.size-mismatch", std::string("the operands of ") + operation + " have " +
-                                         std::to_string(x.size()) + " and " + std::to_string(y.size()) +
-                                         " entries; give both the same size");
+    detail::raise(Error("mtk.size-mismatch",
+                        std::string("the operands of ") + operation + " have " + std::to_string(x.size()) +
+                            " and " + std::to_string(y.size()) + " entries; give both the same size"));
   }
 }
 

@@ -17,6 +17,9 @@
 ///   files.hpp              corners and readings from and to files
 ///   hand_eye.hpp           a camera on a hand, from two streams of poses: handEye(hand, camera, settings)
 ///   imu_stream.hpp         cameras and IMUs in motion
+///   moving_cameras.hpp     cameras with clocks of their own or rolling shutters, and IMUs
+///   stream_agreement.hpp   how far two fits of them agree
+///   stream_verdict.hpp     whether the fit of IMUs in motion can be trusted
 ///   error.hpp              exceptions for invalid data and settings
 #pragma once
 
@@ -33,6 +36,7 @@
 #include "slom/calibration/hand_eye.hpp"
 #include "slom/calibration/imu_stream.hpp"
 #include "slom/calibration/models.hpp"
+#include "slom/calibration/moving_cameras.hpp"
 #include "slom/calibration/number_text.hpp"
 #include "slom/calibration/options.hpp"
 #include "slom/calibration/patterns.hpp"
@@ -40,3 +44,5 @@
 #include "slom/calibration/quality.hpp"
 #include "slom/calibration/readout.hpp"
 #include "slom/calibration/result.hpp"
+#include "slom/calibration/stream_agreement.hpp"
+#include "slom/calibration/stream_verdict.hpp"

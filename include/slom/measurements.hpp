@@ -7,6 +7,7 @@
 #include "slom/measurements/bearing.hpp"
 #include "slom/measurements/gaussian_prior.hpp"
 #include "slom/measurements/gravity.hpp"
+#include "slom/measurements/imu_model.hpp"
 #include "slom/measurements/imu_samples.hpp"
 #include "slom/measurements/intrinsics.hpp"
 #include "slom/measurements/landmark.hpp"

@@ -1,5 +1,5 @@
-/// Trajectories in continuous time: B-splines whose control points are variables, and functions of time for
-/// measurements.
+/// Trajectories in continuous time: B-splines whose control points are variables, Gaussian processes whose states are,
+/// and functions of time for measurements.
 ///
 ///     slom::trajectory::PoseSpline<4> pose(slom::trajectory::Knots(0, 0.1), "pose");
 ///     pose.extend(est, 0, 60);
@@ -8,8 +8,10 @@
 #pragma once
 
 #include "slom/trajectory/blending.hpp"
+#include "slom/trajectory/gaussian_process.hpp"
 #include "slom/trajectory/knots.hpp"
 #include "slom/trajectory/measurement.hpp"
+#include "slom/trajectory/motion_prior.hpp"
 #include "slom/trajectory/pose_segment.hpp"
 #include "slom/trajectory/rotation_segment.hpp"
 #include "slom/trajectory/screw_segment.hpp"

@@ -1,5 +1,6 @@
 #include "analyze/covariance.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "base/index.hpp"
@@ -29,8 +30,58 @@ MatrixXd covarianceBlock(const LinearizedProblem& linearized, FreeGauge gauge, i
   return block;
 }
 
+namespace {
+
+/// Returns whether some measurement depends on all these variables. Then the blocks of the inverse have all their pairs.
+bool meet(const Problem& problem, const std::vector<int>& variables) {
+  int rarest = -1, fewest = 0;
+  for (const int v : variables) {
+    int uses = 0;
+    problem.forEachUse(v, [&](const MeasurementPool&, int) { ++uses; });
+    if (rarest < 0 || uses < fewest) rarest = v, fewest = uses;
+  }
+  bool found = false;
+  if (rarest < 0) return found;
+  problem.forEachUse(rarest, [&](const MeasurementPool& pool, int i) {
+    const int* const first = pool.variables(i);
+    found = found || std::all_of(variables.begin(), variables.end(), [&](int v) {
+              return std::find(first, first + pool.arity(), v) != first + pool.arity();
+            });
+  });
+  return found;
+}
+
+/// Returns the joint covariance from the blocks of the inverse.
+MatrixXd jointCovarianceFrom(const InverseBlocks& inverse, const LinearizedProblem& linearized,
+                             const std::vector<int>& variables) {
+  const auto& table = linearized.problem().variables();
+  int n = 0;
+  for (const int v : variables) n += table[at(v)].dof;
+  MatrixXd C = MatrixXd::Zero(n, n), block;
+  int column = 0;
+  for (const int b : variables) {
+    int row = 0;
+    for (const int a : variables) {
+      block.resize(table[at(a)].dof, table[at(b)].dof);
+      if (!linearized.structure().system.isEmpty(a) && !linearized.structure().system.isEmpty(b)) {
+        inverse.block(a, b, block.data());
+        clearConstrained(linearized, a, b, block.data());
+        C.block(row, column, block.rows(), block.cols()) = block;
+      }
+      row += table[at(a)].dof;
+    }
+    column += table[at(b)].dof;
+  }
+  return (C + C.transpose()) / 2;
+}
+
+}  // namespace
+
 MatrixXd jointCovariance(const LinearizedProblem& linearized, FreeGauge gauge,
                          const std::vector<int>& variables) {
+  if (const InverseBlocks* inverse = linearized.knownInverse(gauge);
+      inverse && meet(linearized.problem(), variables))
+    return jointCovarianceFrom(*inverse, linearized, variables);
   const auto& table = linearized.problem().variables();
   const ProblemStructure& structure = linearized.structure();
   int n = 0;

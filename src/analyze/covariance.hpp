@@ -16,7 +16,8 @@ namespace slom {
 Eigen::MatrixXd covarianceBlock(const LinearizedProblem& linearized, FreeGauge gauge, int variable_a,
                                 int variable_b);
 
-/// Returns the joint covariance of several variables, stacked in this order. Throws as covarianceBlock() does.
+/// Returns the joint covariance of several variables, stacked in this order. Reads it from the blocks of the inverse, if
+/// these have been computed and a measurement depends on all the variables. Throws as covarianceBlock() does.
 Eigen::MatrixXd jointCovariance(const LinearizedProblem& linearized, FreeGauge gauge,
                                 const std::vector<int>& variables);
 

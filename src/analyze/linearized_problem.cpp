@@ -250,6 +250,10 @@ bool LinearizedProblem::hasInverse() const {
   return findInverse(ignored) != nullptr;
 }
 
+const InverseBlocks* LinearizedProblem::knownInverse(FreeGauge gauge) const {
+  return gauge == FreeGauge::inner_constraints ? nullptr : results_->inverse.get();
+}
+
 const InverseBlocks& LinearizedProblem::inverse(FreeGauge gauge) const {
   if (gauge == FreeGauge::inner_constraints) return freeNetwork();
   SolveStatus status;

@@ -64,6 +64,8 @@ class [[gnu::visibility("hidden")]] LinearizedProblem {  // declared in a public
   /// Returns blocks of the inverse. Throws, as covarianceColumns() and covarianceTimes() do, [slom.free-gauge],
   /// [slom.rank-deficient] or [slom.unmeasured-variable].
   const InverseBlocks& inverse(FreeGauge gauge) const;
+  /// Returns the blocks of the inverse if inverse() has computed them for this gauge, otherwise null.
+  const InverseBlocks* knownInverse(FreeGauge gauge) const;
   /// Returns whether the solver finds H^-1.
   bool hasInverse() const;
 

@@ -6,7 +6,14 @@ using Eigen::MatrixXd;
 
 SVD svdOf(const MatrixXd& A, unsigned options) { return SVD(A, options); }
 
-SymmetricEigen eigenOf(const MatrixXd& A, int options) { return SymmetricEigen(A, options); }
+SymmetricEigen eigenOf(const MatrixXd& A, int options) {
+  SymmetricEigen eigen(A.rows());
+  if (A.rows() > 0)
+    eigen.compute(A, options);  // which reads the first entry
+  else
+    eigen.computeFromTridiagonal(Eigen::VectorXd(), Eigen::VectorXd(), options);
+  return eigen;
+}
 
 MatrixXd orthonormalBasis(const MatrixXd& A) {
   const Eigen::HouseholderQR<MatrixXd> qr(A);

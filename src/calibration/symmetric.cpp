@@ -4,7 +4,11 @@ namespace slom::calibration {
 
 SymmetricEigen eigenOf(const Eigen::MatrixXd& A) {
   SymmetricEigen eigen(A.rows());
-  if (A.rows() > 0) eigen.compute(A);  // which reads the first entry
+  if (A.rows() > 0)
+    eigen.compute(A);  // which reads the first entry
+  else
+    eigen.computeFromTridiagonal(Eigen::VectorXd(),
+                                 Eigen::VectorXd());  // no values, but allowed to be asked for
   return eigen;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <mutex>
 #include <string>
@@ -14,9 +13,6 @@
 namespace slom {
 
 namespace {
-
-/// Largest scale. Squares of scales within [1 / kLargestScale, kLargestScale] are normal numbers.
-constexpr double kLargestScale = 1e150;
 
 /// Returns what is wrong with a user's function at scale 1; empty if nothing is.
 std::string faultOfFunction(const LossKind& kind) {
@@ -59,14 +55,6 @@ const LossKind* lossNamed(std::string_view stored_name) {
   return found == all.end() ? nullptr : *found;
 }
 
-LossValue Loss::evaluate(double s, double graduation) const {
-  if (kind_ == nullptr) return {s, 1, 0};
-  const double c2 = scale_ * scale_ * graduation;
-  const double t = std::min(s / c2, std::numeric_limits<double>::max());
-  const LossValue unit = kind_->evaluate(t, shape_);
-  return {c2 * unit.rho, unit.first, unit.second / c2};
-}
-
 std::string Loss::text() const {
   if (kind_ == nullptr) return "none";
   return std::string(kind_->name) + "(" + (kind_->has_shape ? number(shape_, 6) + ", " : "") +
@@ -83,7 +71,7 @@ const LossKind& detail::ownKind(const char* name, LossValue (*evaluate)(double t
 }
 
 std::string Loss::fault() const {
-  if (!(scale_ >= 1 / kLargestScale && scale_ <= kLargestScale)) {
+  if (!hasGoodScale()) {
     return "has scale " + number(scale_, 6) +
            "; pass a positive finite number, in standard deviations of the residual";
   }

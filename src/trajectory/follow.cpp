@@ -78,6 +78,10 @@ int SplineBase::follow(Estimator& est) {
 }
 
 Summary optimize(Estimator& est, std::initializer_list<SplineBase> splines, const Options& options) {
+  return optimize(est, std::vector<SplineBase>(splines), options);
+}
+
+Summary optimize(Estimator& est, const std::vector<SplineBase>& splines, const Options& options) {
   std::vector<SplineBase> all(splines);
   followAll(est, all);
   Summary summary;

@@ -1,6 +1,7 @@
 #include "slom/trajectory/spline_state.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "mtk/error.hpp"
@@ -10,6 +11,14 @@ namespace slom::trajectory::detail {
 namespace {
 
 std::string text(double x) { return mtk::detail::classicText("%.9g", x); }
+
+/// Returns how far from a knot times may be, in spacings, and do not move to the next segment. Polynomials of two segments
+/// agree at their knot to order - 2 derivatives, so second derivatives that near to it agree to 1e-6 of the change over a
+/// spacing.
+double nearness(int order) {
+  constexpr double kLeast = 1e-6;
+  return order == 6 ? std::cbrt(6 * kLeast) : order == 5 ? std::sqrt(2 * kLeast) : kLeast;
+}
 
 int countUses(const Estimator& est, const AnyVarID& id) {
   int count = 0;
@@ -21,8 +30,8 @@ int countUses(const Estimator& est, const AnyVarID& id) {
 
 MovingMeasurement::~MovingMeasurement() = default;
 
-SplineState::SplineState(Knots all_knots, std::string its_name, int its_order)
-    : knots(std::move(all_knots)), name(std::move(its_name)), order(its_order) {}
+SplineState::SplineState(Knots all_knots, std::string its_name, int its_order, Ties its_ties)
+    : knots(std::move(all_knots)), name(std::move(its_name)), order(its_order), kind_(its_ties) {}
 SplineState::~SplineState() = default;
 
 std::int64_t SplineState::coveredSegment(double t) const {
@@ -42,10 +51,11 @@ std::int64_t SplineState::nextSegment(double t, std::int64_t present) const {
   return std::clamp(knots.segmentAt(t), present - kMostAtOnce, present + kMostAtOnce);
 }
 
-bool SplineState::isOutside(double t, std::int64_t segment) const {
-  // Polynomials of two segments agree at their knot to order - 2 derivatives. Times that close to it do not move.
-  constexpr double kNear = 1e-6;
-  const double begin = knots[segment], end = knots[segment + 1], margin = kNear * (end - begin);
+bool SplineState::isOutside(double t, std::int64_t segment, int returns) const {
+  // A residual may have a kink at a knot: on a spline of order 4, the acceleration has one.
+  constexpr double kMost = 0.25;
+  const double begin = knots[segment], end = knots[segment + 1],
+               margin = std::min(nearness(order) * std::pow(4.0, returns), kMost) * (end - begin);
   return !(t >= begin - margin && t <= end + margin);
 }
 
@@ -53,16 +63,18 @@ void SplineState::grow(Estimator& est, bool at_front, bool tied) {
   const std::int64_t i = at_front ? first_ - 1 : first_ + count();
   add(est, i, at_front);
   if (at_front) first_ = i;
-  if (tied) tieTo(est, i, at_front ? 1 : -1);
+  if (tied || kind_ == Ties::all) tieTo(est, i, at_front ? 1 : -1);
 }
 
 void SplineState::tieTo(Estimator& est, std::int64_t i, std::int64_t step) {
   const auto found = ties_.find(i);
-  if (count() < 4 || (found != ties_.end() && found->second.id.isValid())) return;
-  ties_[i] = {tie(est, i, step), i + 2 * step};
+  const bool is_process = kind_ == Ties::all;
+  if (count() < (is_process ? 2 : 4) || (found != ties_.end() && found->second.id.isValid())) return;
+  ties_[i] = {tie(est, i, step), i + (is_process ? 1 : 2) * step};
 }
 
 void SplineState::tieEnds(Estimator& est, bool renew) {
+  if (kind_ == Ties::all) return;
   const std::int64_t last = first_ + count() - 1;
   for (std::int64_t k = 0; renew && k + 1 < order; ++k) {
     for (const std::int64_t i : {first_ + k, last - k}) {

@@ -168,7 +168,7 @@ TEST(CalibrateFaults, Formats) {
   expectRefused(Files(), with({"--format", "ros"}),
                 "--format ros: no output file is given; add --output FILE or drop --format");
   expectRefused(Files(), with({"--format", "matlab", "--output", "DIR/c.yaml"}),
-                "--format matlab: the formats are opencv, ros and kalibr");
+                "--format matlab: the formats are opencv, ros, kalibr, openvins and basalt");
   expectRefused(
       Files(), with({"--format", "ros", "--output", "DIR/c.yaml"}),
       "--output c.yaml: ROS needs one file for each camera; write {name} in place of the camera's name, as in --output "

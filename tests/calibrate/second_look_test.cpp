@@ -14,10 +14,10 @@ namespace {
 using testing::RigOptions;
 
 /// Views of a whole board by one camera.
-Dataset wholeBoards(unsigned seed, int columns = 9, int rows = 6, double distance = 0.6) {
+Dataset wholeBoards(unsigned seed, int columns = 9, int rows = 6, double distance = 0.6, int images = 10) {
   RigOptions options;
   options.cameras = 1;
-  options.images = 10;
+  options.images = images;
   options.columns = columns, options.rows = rows;
   options.square_m = 0.03;
   options.distance = distance;
@@ -113,6 +113,31 @@ TEST(SecondLook, ImagesOfAnotherSizeAreNamedFromAfarToo) {
     named += result.strays.size() == 2 ? 1 : 0;
   }
   EXPECT_GE(named, 18);
+}
+
+/// A few of many images hardly change the lens, so that the fit of all shows them.
+TEST(SecondLook, ImagesOfAnotherSizeAreNamedAmongMany) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const double size = seed % 2 == 0 ? 0.75 : 0.5;
+    const int images = seed <= 4 ? 100 : 310;
+    Dataset data = wholeBoards(seed, 9, 6, 0.35, images);
+    const std::vector<std::size_t> scaled{7, 50, 51};
+    scaleViews(data, scaled, size);
+    const Result result = calibrate(data, Settings());
+    ASSERT_EQ(result.strays.size(), scaled.size()) << seed;
+    for (std::size_t i = 0; i < scaled.size(); ++i) {
+      EXPECT_EQ(result.strays[i].image, data.cameras[0].views[scaled[i]].image) << seed;
+      EXPECT_EQ(result.strays[i].size, size) << seed;
+    }
+  }
+}
+
+TEST(SecondLook, NoImageOfManyGoodOnesIsOfAnotherSize) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const Result result = calibrate(wholeBoards(seed, 9, 6, seed % 2 == 0 ? 0.35 : 0.6, 100), Settings());
+    ASSERT_TRUE(result.success()) << seed;
+    EXPECT_TRUE(result.strays.empty()) << seed;
+  }
 }
 
 TEST(SecondLook, NoImageOfGoodDataIsOfAnotherSize) {

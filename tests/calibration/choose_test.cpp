@@ -51,6 +51,21 @@ TEST(CalibrateByChoice, EqualsACalibrationWithTheChosenSettings) {
   EXPECT_EQ(numbersOf(calibrate(data, settings)), numbersOf(result)) << "seed " << seed;
 }
 
+/// Of a long recording, a part is compared, and all is fitted.
+TEST(CalibrateByChoice, ComparesAPartOfALongRecording) {
+  const Dataset data =
+      testing::simulated(Radial1<>{500., 320., 240., -0.2}, testing::Scene{.images = 620}, 1);
+  Settings settings;
+  settings.sigma_px = 0.2;
+  const Result result = calibrateByChoice(data, settings, {{Model("radial1"), Model("opencv4")}, true});
+  ASSERT_TRUE(result.comparison && result.success());
+  for (const ModelTrial& trial : result.comparison->trials) {
+    EXPECT_GT(trial.held_out_squares.size(), 290u) << trial.model.name();
+    EXPECT_LT(trial.held_out_squares.size(), 310u) << trial.model.name();
+  }
+  EXPECT_EQ(result.images.size(), 620u);
+}
+
 TEST(CalibrateByChoice, LeavesGivenSettingsAlone) {
   const Dataset data = testing::simulated(Radial1<>{500., 320., 240., -0.2}, testing::Scene{.images = 6}, 1);
   Settings settings;

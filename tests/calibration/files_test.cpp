@@ -85,6 +85,26 @@ TEST(CornerFiles, TimesInSecondsAreExact) {
                 ":2: t_s is \"-1.5\"; write seconds there, as in 1403715273.262143");
 }
 
+TEST(CornerFiles, TheHeaderGivesTheUnitOfTimes) {
+  const TemporaryFolder folder;
+  const auto timeIn = [&](const std::string& column, const std::string& time) {
+    const std::string text = column + std::string(header).substr(5) + time + ",1,0,0,0,1,2\n";
+    return *readCorners("left", written(folder, "left.csv", text)).views.front().time_ns;
+  };
+  EXPECT_EQ(timeIn("t_us", "1403715273262142"), 1403715273262142000);
+  EXPECT_EQ(timeIn("timestamp_us", "1403715273262142.976"), 1403715273262142976);
+  EXPECT_EQ(timeIn("time [us]", "5"), 5'000);
+  EXPECT_EQ(timeIn("t_ms", "1403715273262.142976"), 1403715273262142976);
+  EXPECT_EQ(timeIn("Timestamp [ms]", "5"), 5'000'000);
+  EXPECT_EQ(timeIn("timestamp [ns]", "1403715273262142976"), 1403715273262142976);
+  EXPECT_EQ(messageOf([&] { timeIn("t_us", "soon"); }),
+            "[slom.calibration.bad-file] " + (folder / "left.csv").string() +
+                ":2: t_us is \"soon\"; write microseconds there, as in 1403715273262143");
+  EXPECT_EQ(messageOf([&] { timeIn("t_ms", "-1"); }),
+            "[slom.calibration.bad-file] " + (folder / "left.csv").string() +
+                ":2: t_ms is \"-1\"; write milliseconds there, as in 1403715273262.143");
+}
+
 TEST(CornerFiles, TheBoardGivesPlacesThatAreMissing) {
   const TemporaryFolder folder;
   const std::string file = written(folder, "left.csv", "t_ns,corner,u_px,v_px\n0,2,1,2\n0,0,3,4\n");

@@ -37,6 +37,8 @@ TEST(PoseFiles, AllHeadersGiveTheSame) {
       "t_s,x_m,y_m,z_m,qx,qy,qz,qw\n1.5,1,2,3,0,0,0.6,0.8\n",
       "# a comment\n\nqw;qx;qy;qz;x;y;z;t\n0.8;0;0;0.6;1;2;3;1.5\n",
       "t_ns,x_m,y_m,z_m,qx,qy,qz,qw,valid\r\n1500000000,1,2,3,0,0,0.6,0.8,1\r\n",
+      "timestamp_us,x,y,z,qx,qy,qz,qw\n1500000,1,2,3,0,0,0.6,0.8\n",
+      "time [ms],x,y,z,qx,qy,qz,qw\n1500.0,1,2,3,0,0,0.6,0.8\n",
       "# timestamp tx ty tz qx qy qz qw\n1.5 1 2 3 0 0 0.6 0.8\n",
       "timestamp tx ty tz qx qy qz qw\n1.5\t1  2 3 0 0 0.6 0.8",
   };
@@ -49,6 +51,19 @@ TEST(PoseFiles, AllHeadersGiveTheSame) {
     EXPECT_NEAR(stream.poses[0].pose.orient.z(), 0.6, 1e-15) << text;
     EXPECT_NEAR(stream.poses[0].pose.orient.w(), 0.8, 1e-15) << text;
   }
+}
+
+TEST(PoseFiles, TimesOfAnotherUnitThanSecondsAreNamed) {
+  const std::string pose = " 1 2 3 0 0 0 1\n", other = ",1,2,3,0,0,0,1\n";
+  EXPECT_EQ(
+      faultOf("1403715273262142" + pose + "1403715273312142" + pose),
+      "[slom.calibration.bad-file] poses.csv: poses follow each other by 5e+04 s if their times are seconds, as if "
+      "they were microseconds; name their column t_us in a header");
+  EXPECT_EQ(
+      faultOf("timestamp,x,y,z,qx,qy,qz,qw\n1403715273262142976" + other + "1403715273312142976" + other),
+      "[slom.calibration.bad-file] poses.csv: poses follow each other by 5e+07 s if their times are seconds, as if "
+      "they were nanoseconds; name their column t_ns in a header");
+  EXPECT_EQ(read("t_s,x,y,z,qx,qy,qz,qw\n0" + other + "50000" + other).poses[1].t_s, 50000);
 }
 
 TEST(PoseFiles, WithoutTimesPosesAreCounted) {

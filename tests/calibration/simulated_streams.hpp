@@ -58,4 +58,29 @@ inline ImuStream streamOf(const app::StereoImuStreamData& simulated, const std::
   return stream;
 }
 
+/// A simulated recording and its calibration.
+struct Calibrated {
+  explicit Calibrated(const app::StereoImuStreamOptions& given, int cameras = 1)
+      : options(given),
+        simulated(app::simulateStereoImuStream(given)),
+        data(datasetOf(given, simulated, cameras)) {
+    settings.sigma_px = options.sigma_px;
+    camera = calibrate(data, settings);
+  }
+  ImuStream stream() const {
+    ImuStream imu = streamOf(simulated);
+    imu.noise = options.noise;
+    return imu;
+  }
+  StreamResult with(const std::vector<ImuStream>& imus, const StreamSettings& stream = {}) const {
+    return calibrateStreams(data, settings, camera, imus, stream);
+  }
+
+  app::StereoImuStreamOptions options;
+  app::StereoImuStreamData simulated;
+  Dataset data;
+  Settings settings;
+  Result camera;
+};
+
 }  // namespace slom::calibration::testing

@@ -1,6 +1,9 @@
 // Streams that cannot be used, and motions that leave something open: each is refused with a whole sentence.
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -90,6 +93,29 @@ TEST_F(StreamFaults, UnitsOfGravity) {
       "imu0: the specific forces have a magnitude of 30 in the median instead of about 9.8 m/s^2; give "
       "specific forces in m/s^2 in the last three columns, with gravity in them");
 }
+TEST_F(StreamFaults, ForcesBeforeAngularVelocities) {
+  ImuStream imu = good();
+  const std::string sentence =
+      "imu0: the first three readings have a magnitude of 9.82 in the median, that of gravity, as if accelerometer and "
+      "gyroscope were exchanged; give the angular velocities first, and the specific forces after them";
+  changeAll(imu, [](ImuSample& s) { std::swap(s.gyro, s.force); });
+  expectRefused(imu, "bad-stream", sentence);
+  changeAll(imu, [](ImuSample& s) { s.force *= 57.29578; });  // in degrees per second, besides
+  expectRefused(imu, "bad-stream", sentence);
+}
+/// Angular velocities with about the magnitude of gravity, as in degrees per second, are not taken for forces.
+TEST_F(StreamFaults, SlowTurnsInDegreesPerSecond) {
+  ImuStream imu = good();
+  std::vector<double> magnitudes;
+  for (const ImuSample& s : imu.samples) magnitudes.push_back(s.gyro.norm());
+  std::nth_element(magnitudes.begin(), magnitudes.begin() + long(magnitudes.size() / 2), magnitudes.end());
+  const double factor = 9.81 / magnitudes[magnitudes.size() / 2];
+  changeAll(imu, [&](ImuSample& s) { s.gyro *= factor, s.force /= 9.80665; });
+  expectRefused(
+      imu, "bad-stream",
+      "imu0: the specific forces have a magnitude of 1 in the median, as if they were in units of gravity; "
+      "multiply them by 9.80665");
+}
 TEST_F(StreamFaults, AxesOfTheOtherHand) {
   ImuStream imu = good();
   changeAll(imu, [](ImuSample& s) { s.gyro[2] = -s.gyro[2], s.force[2] = -s.force[2]; });
@@ -102,7 +128,7 @@ TEST_F(StreamFaults, ForcesInOtherAxes) {
   const auto sentence = [](const std::string& axes, const std::string& numbers) {
     return "imu0: the specific forces fit the motion of the cameras if " + axes +
            " are their axes: " + numbers +
-           "; give them in the axes of the angular velocities, upwards at rest";
+           "; give forces and angular velocities in the same axes, and forces that point upwards at rest";
   };
   ImuStream imu = good();
   changeAll(imu, [](ImuSample& s) { s.force[2] = -s.force[2]; });

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <mtk/testing/random.hpp>
+
+#include "calibration/errors_of_axes.hpp"
 #include "calibration/simulated_streams.hpp"
 #include "slom/analyze/chi_square.hpp"
 #include "support/fresh_seed.hpp"
@@ -12,34 +15,9 @@
 namespace slom::calibration {
 namespace {
 
-using testing::datasetOf;
+using testing::Calibrated;
 using testing::quickStream;
 using testing::streamOf;
-
-/// A simulated recording and its calibration.
-struct Calibrated {
-  explicit Calibrated(const app::StereoImuStreamOptions& given, int cameras = 1)
-      : options(given),
-        simulated(app::simulateStereoImuStream(given)),
-        data(datasetOf(given, simulated, cameras)) {
-    settings.sigma_px = options.sigma_px;
-    camera = calibrate(data, settings);
-  }
-  ImuStream stream() const {
-    ImuStream imu = streamOf(simulated);
-    imu.noise = options.noise;
-    return imu;
-  }
-  StreamResult with(const std::vector<ImuStream>& imus, const StreamSettings& stream = {}) const {
-    return calibrateStreams(data, settings, camera, imus, stream);
-  }
-
-  app::StereoImuStreamOptions options;
-  app::StereoImuStreamData simulated;
-  Dataset data;
-  Settings settings;
-  Result camera;
-};
 
 /// Squares of errors, each divided by its variance.
 struct Squares {
@@ -108,8 +86,9 @@ TEST(Streams, NoiseIsFoundIfItIsNotGiven) {
   const StreamResult result = rig.with({imu});
   ASSERT_TRUE(result.success());
   EXPECT_FALSE(result.imus[0].noise_is_given);
-  EXPECT_NEAR(result.imus[0].noise.gyro / rig.options.noise.gyro, 1, 0.3);
-  EXPECT_NEAR(result.imus[0].noise.force / rig.options.noise.force, 1, 0.3);
+  // Over 30 recordings, the estimates spread by 0.093 and 0.077 around 0.98 and 0.97. Beyond 4.5 times that: once in 10^5.
+  EXPECT_NEAR(result.imus[0].noise.gyro / rig.options.noise.gyro, 1, 0.42);
+  EXPECT_NEAR(result.imus[0].noise.force / rig.options.noise.force, 1, 0.38);
   EXPECT_NEAR(result.sigma_px / rig.options.sigma_px, 1, 0.25);
 }
 
@@ -179,6 +158,42 @@ TEST(Streams, SeveralImusAreFittedTogether) {
   EXPECT_LE(both.gravity_direction_std, 1.01 * rig.with({rig.stream()}).gravity_direction_std);
 }
 
+/// Errors of the axes are found within their standard deviations, and pose and clock stay right.
+TEST(Streams, ErrorsOfAxesAreFound) {
+  const unsigned seed = slom::testing::freshSeed();
+  mtk::testing::Random random(seed);
+  app::StereoImuStreamOptions options = quickStream(seed, 20);
+  options.noise.gyro = 1e-4;
+  const Calibrated rig(options, 2);
+  ImuModel<> truth = testing::randomErrors(random);
+  for (const ImuAxes axes : {ImuAxes::scale_misalignment, ImuAxes::scale_misalignment_size_effect}) {
+    if (axes == ImuAxes::scale_misalignment_size_effect) {
+      for (double& x : truth.force_places) x = random.uniform(-0.03, 0.03);
+    }
+    ImuStream imu = rig.stream();
+    imu.samples = testing::withErrors(imu.samples, truth);
+    StreamSettings settings;
+    settings.axes = axes;
+    const StreamResult result = rig.with({imu}, settings);
+    ASSERT_TRUE(result.success()) << result.undetermined << result.message;
+    const ImuStreamResult& one = result.imus[0];
+    const std::vector<double> expected = testing::numbersOf(truth),
+                              found = testing::numbersOf(one.axes.model);
+    ASSERT_EQ(one.axes.std.size(), axes == ImuAxes::scale_misalignment ? 24u : 30u);
+    double squares = 0;
+    for (std::size_t i = 0; i < one.axes.std.size(); ++i) {
+      const double z = (found[i] - expected[i]) / one.axes.std[i];
+      squares += z * z / double(one.axes.std.size());
+      EXPECT_LT(std::abs(z), 5.5) << i << ": " << found[i] << " instead of " << expected[i];
+    }
+    EXPECT_LT(squares, 4);
+    for (std::size_t i = 0; i < 15; ++i) EXPECT_LT(one.axes.std[i], 0.01) << i;
+    EXPECT_NEAR(one.time_offset, options.time_offset, 6 * one.time_offset_std);
+    for (int i = 0; i < 3; ++i)
+      EXPECT_LT(std::abs(one.left2imu.pos[i] - options.cam0_to_imu.pos[i]), 6 * one.translation_std[i]) << i;
+  }
+}
+
 /// A gap, or readings at the sensor's limit, are noted, and the result stays right.
 TEST(Streams, GapsAreNoted) {
   const Calibrated rig(quickStream(11, 12));
@@ -207,10 +222,9 @@ TEST(Streams, SaturatedAxesAreNoted) {
   ASSERT_GT(count, 10u);
   const StreamResult result = rig.with({imu});
   ASSERT_FALSE(result.notes.empty());
-  EXPECT_TRUE(result.notes[0].starts_with("imu0: ") &&
-              result.notes[0].ends_with(
-                  " readings of the gyroscope's y axis stay at its largest magnitude, as if the "
-                  "sensor were saturated; use a larger range, or move less quickly."))
+  EXPECT_TRUE(result.notes[0].ends_with(
+      " readings of the gyroscope's y axis in imu0 stay at its largest magnitude, as if the sensor were saturated: use a "
+      "larger range, or move less quickly."))
       << result.notes[0];
 }
 

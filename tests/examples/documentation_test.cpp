@@ -97,7 +97,7 @@ std::map<std::string, std::string> backgroundSections() {
 
 TEST(Documentation, ShowsWhatTheProgramOfTheBackgroundPrints) {
   const std::map<std::string, std::string> sections = backgroundSections();
-  EXPECT_EQ(sections.size(), 10u);
+  EXPECT_EQ(sections.size(), 11u);
   for (const auto& [name, printed] : sections) {
     const std::string page = readFile(slom::testing::sourcePath("docs/background/" + name + ".md"));
     EXPECT_NE(page.find("](" + name + ".svg)"), std::string::npos) << name << " does not show its picture";

@@ -18,6 +18,18 @@ struct Files {
   }
 };
 
+TEST(HandEyeCommand, SaysWhatTheFilesWereTakenAs) {
+  const TemporaryFolder folder;
+  SimulatedStreams streams = simulated({});
+  for (auto& pose : streams.camera.poses) pose.pose = pose.pose.inverse();
+  const std::string report =
+      runHandEye(folder, csvOf(streams.hand), csvOf(streams.camera), {"--invert-camera"}).output;
+  for (const std::string line : {"\n          taken as base_T_hand: poses of the hand in the base\n",
+                                 "\n          taken as camera_T_target: poses of the target in the camera\n",
+                                 "\n  p_hand = R p_camera + t\n", "\n  p_base = R p_target + t\n"})
+    EXPECT_NE(report.find(line), std::string::npos) << line << "\nis not in\n" << report;
+}
+
 TEST(HandEyeCommand, ReportsValuesAndWritesJson) {
   const TemporaryFolder folder;
   const SimulatedHand truth;
@@ -67,6 +79,74 @@ TEST(HandEyeCommand, InverseFilesAreTurned) {
   const CommandResult wrong = runHandEye(folder, hand, camera, {"--quiet"});
   EXPECT_EQ(wrong.exit_code, 1);
   EXPECT_NE(wrong.errors.find("pass --invert-camera"), std::string::npos) << wrong.errors;
+}
+
+/// Returns the text of a file whose quaternions are w, x, y, z below a header that says x, y, z, w.
+std::string wFirst(SimulatedStreams streams, bool is_hand) {
+  PoseStream& stream = is_hand ? streams.hand : streams.camera;
+  for (auto& pose : stream.poses) {
+    const auto q = pose.pose.orient;
+    pose.pose.orient = calibration::SO3(q.z(), q.w(), q.x(), q.y());
+  }
+  return csvOf(stream);
+}
+
+TEST(HandEyeCommand, TheTrueCauseOfAMisfitIsNamed) {
+  const SimulatedStreams streams = simulated({});
+  const std::string hand = csvOf(streams.hand), camera = csvOf(streams.camera),
+                    hand_w = wFirst(streams, true), camera_w = wFirst(streams, false);
+  const auto expectAdvice = [](const std::string& of_hand, const std::string& of_camera,
+                               std::vector<std::string> options, const std::string& end) {
+    const TemporaryFolder folder;
+    options.push_back("--quiet");
+    const CommandResult result = runHandEye(folder, of_hand, of_camera, options);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_TRUE(result.errors.ends_with(" degrees; " + end + "\n")) << result.errors << "is not\n" << end;
+  };
+  const std::string of_camera = "the quaternions of camera.csv in the order w, x, y, z",
+                    of_hand = "the quaternions of hand.csv in the order w, x, y, z",
+                    better = " agree far better, so name its columns qw,qx,qy,qz in a header";
+  expectAdvice(hand, camera, {"--invert-camera"},
+               "the poses of camera.csv as the file has them agree far better, so do not invert them: drop "
+               "--invert-camera");
+  expectAdvice(
+      hand, camera, {"--invert-hand"},
+      "the poses of hand.csv as the file has them agree far better, so do not invert them: drop --invert-hand");
+  expectAdvice(hand, camera_w, {}, of_camera + better);
+  expectAdvice(hand_w, camera, {}, of_hand + better);
+  expectAdvice(hand_w, camera_w, {}, of_hand + " and " + of_camera + better);
+  expectAdvice(hand, camera_w, {"--invert-camera"},
+               of_camera + " and the poses of camera.csv as the file has them" + better +
+                   ", and do not invert them: drop --invert-camera");
+  expectAdvice(hand_w, camera, {"--invert-camera"},
+               of_hand + " and the poses of camera.csv as the file has them" + better +
+                   ", and do not invert them: drop --invert-camera");
+}
+
+/// AX = XB is symmetric: only the names of the files can tell.
+TEST(HandEyeCommand, ExchangedFilesGiveTheInverse) {
+  const TemporaryFolder folder;
+  SimulatedHand truth;
+  const Files files(truth);
+  const CommandResult result = runHandEye(folder, files.camera, files.hand, {"--json", "DIR/result.json"});
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const Json json = Json::parse(readFile(folder / "result.json"));
+  const calibration::SE3 camera_T_hand = truth.hand_T_camera.inverse();
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(double(json["hand_T_camera"]["translation"][std::size_t(k)]), camera_T_hand.pos[k], 0.01);
+  EXPECT_EQ(json["warnings"].size(), 0u);  // the files are named hand.csv and camera.csv
+  writeFile(folder / "cam0_poses.csv", files.camera);
+  writeFile(folder / "robot.csv", files.hand);
+  const auto warningsOf = [&](const std::string& first, const std::string& second) {
+    const CommandResult again = runCommand({commandPath().string(), "hand-eye", (folder / first).string(),
+                                            (folder / second).string(), "--json", "-", "--quiet"});
+    return replaced(Json::parse(again.output)["warnings"].dump(), folder.path().string() + "/", "");
+  };
+  EXPECT_EQ(warningsOf("robot.csv", "cam0_poses.csv"), "[]");
+  EXPECT_EQ(
+      warningsOf("cam0_poses.csv", "robot.csv"),
+      "[\"by their names, cam0_poses.csv is of a camera and robot.csv of a hand, but they were given the other way "
+      "round; the poses fit either way, with inverse transforms, so give the file of the hand first\"]");
 }
 
 TEST(HandEyeCommand, WhatIsFreeEndsWithOne) {

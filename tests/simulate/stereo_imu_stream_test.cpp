@@ -56,6 +56,28 @@ TEST(StereoImuStream, ReadingsAreThoseOfThePath) {
   }
 }
 
+/// The camera sees each corner at the time when it reads the corner's row. The camera's clock gives the stamps.
+TEST(StereoImuStream, RowsAreReadOneAfterAnother) {
+  StereoImuStreamOptions options = withoutNoise();
+  options.camera_offset = -0.7;
+  options.camera_phase = 0.013;
+  options.line_delay = 6e-5;
+  const StereoImuStreamData data = simulateStereoImuStream(options);
+  const SimulatedPath path(options, options.motion);
+  for (int c = 0; c < 2; ++c) {
+    ASSERT_FALSE(data.corners[c].empty());
+    EXPECT_EQ(data.corners[c].front().time_ns - options.epoch_ns, c == 0 ? 0 : -687'000'000);
+    for (const StreamCorner& corner : data.corners[c]) {
+      const double stamp = double(corner.time_ns - options.epoch_ns) * 1e-9;
+      const double time =
+          stamp - (c == 0 ? 0 : options.camera_offset) + options.line_delay * corner.pixel.y();
+      const Vec3 in_cam0 = path(time).inverse() * streamCornerInWorld(options, corner.corner);
+      const auto seen = c == 0 ? data.cam0.project(in_cam0) : data.cam1.project(data.cam0_to_cam1 * in_cam0);
+      ASSERT_LT((seen - corner.pixel).norm(), 1e-6) << "camera " << c << ", corner " << corner.corner;
+    }
+  }
+}
+
 TEST(StereoImuStream, MovesAsAHandDoes) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     StereoImuStreamOptions options = withoutNoise();
@@ -158,6 +180,9 @@ TEST(StereoImuStreamCommand, BadOptionsAreNamedWithTheRemedy) {
   refuses("--camera-rate", "0", "a rate from 1 to 10000 Hz");
   refuses("--imu-rate", "200Hz", "a rate from 1 to 10000 Hz");
   refuses("--gyro-noise", "0", "a positive density");
+  refuses("--camera-offset", "2e6", "a number of seconds from -1e6 to 1e6");
+  refuses("--camera-phase", "1.5", "a number of seconds from -1 to 1");
+  refuses("--line-delay", "0.01", "a number of seconds from -1e-3 to 1e-3");
   refuses("--time-offset", "inf", "a number of seconds from -1e6 to 1e6");
   refuses("--motion", "circle", "full, translation, one-axis or rest");
 }

@@ -19,6 +19,8 @@ const std::map<std::string, std::string> others{
     {"command", "the files beside the subcommands, apps/slom/*.cpp"},
     {"compile_fail", "sources that must not compile"},
     {"detect", "a folder of apps/slom/calibrate"},
+    {"filter_alone", "filters without the library, on this machine and on an emulated microcontroller"},
+    {"filter_data", "filters on recorded data, which are read by slom::io"},
     {"docs", "the pages, the site that is made of them, and the comments of the public headers"},
     {"examples", "examples/ and the code in pages"},
     {"fuzz", "readers and fits, on any bytes"},

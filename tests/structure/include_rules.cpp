@@ -15,11 +15,11 @@ namespace {
 namespace fs = std::filesystem;
 
 // Levels: mtk, then the steps in the order of the data flow, then the facade, then rooms that stand on it.
-constexpr std::array<const char*, 11> kLevels{"mtk",     "base",     "model",     "measurements",
-                                              "problem", "tape",     "linearize", "solve",
-                                              "online",  "optimize", "analyze"};
+constexpr std::array<const char*, 12> kLevels{"mtk",          "base",    "model",    "filter",
+                                              "measurements", "problem", "tape",     "linearize",
+                                              "solve",        "online",  "optimize", "analyze"};
 constexpr int kMtk = 0;
-constexpr int kMeasurements = 3;
+constexpr int kMeasurements = 4;
 constexpr int kFacade = static_cast<int>(kLevels.size());
 constexpr int kTrajectory = kFacade + 1;
 constexpr int kInitialize = kFacade + 2;

@@ -17,6 +17,7 @@ struct IncludeReport {
 ///   * mtk includes mtk, Eigen and the standard library;
 ///   * include/slom/<step> and src/<step> include mtk and the steps from model down to their own;
 ///   * files directly in include/slom and src, the facade, include all of these;
+///   * include/slom/filter, filters in headers alone, includes mtk and model;
 ///   * include/slom/measurements, kinds of measurements, includes mtk and model, and is included by the facade alone;
 ///   * include/slom/calibration and src/calibration, a library of its own, include public headers of all of these and their
 ///     own files, and may use fmt in src/; nobody of the above includes them;

@@ -95,4 +95,36 @@ TEST(TrajectoryPage, FindsTheOffsetOfAGyroscope) {
   EXPECT_LT((velocity - Vec3(-2 * std::sin(2.5), std::cos(2.5), 0)).norm(), 0.1);
 }
 
+TEST(TrajectoryPage, FitsAGaussianProcess) {
+  using namespace slom::trajectory;
+  mtk::testing::Random random(12);
+  const auto noise = [&](double sigma) -> Vec3 {
+    return Vec3(sigma * random.normal(), sigma * random.normal(), sigma * random.normal());
+  };
+  std::vector<Sighting> sightings;
+  for (int i = 0; i < 250; ++i) {
+    const Pose pose = truth(0.04 * i);
+    sightings.push_back(
+        {0.04 * i, Pose(Vec3(pose.pos + noise(0.005)), pose.orient * mtk::SO3<>::exp(noise(0.005)))});
+  }
+  const auto poseNear = [&](double t) {
+    return sightings[std::size_t(std::clamp(std::round(t / 0.04), 0.0, 249.0))].pose;
+  };
+  slom::Estimator est;
+
+  PoseProcess<WhiteNoise::on_jerk> pose(Knots(0, 0.1), poseDensity(100, 100), "pose");
+  pose.extend(est, 0, 10, poseNear);
+  for (const Sighting& sighting : sightings) {
+    insertMeasurement(est, PoseAtTime(), pose.around(sighting.time), sighting.time,
+                      slom::measured(sighting.pose), slom::StandardDeviation(0.005));
+  }
+
+  const slom::Summary summary = optimize(est, {pose});
+  EXPECT_TRUE(summary.converged) << summary.message;
+  EXPECT_LT(summary.chi2PerDof(), 1.2);
+  const auto at = pose.segmentAt(2.53);
+  EXPECT_LT((at.positionAt(2.53) - truth(2.53).pos).norm(), 0.01);
+  EXPECT_LT((at.angularVelocityAt(2.53) - rate(2.53)).norm(), 0.3);
+}
+
 }  // namespace

@@ -98,12 +98,13 @@ Progress printedProgress() {
 
 /// Writes the results. A result that is not sound goes to JSON, which says so, but not to YAML, whose readers would
 /// trust it.
-void writeFiles(const Dataset& data, const Result& result, const std::optional<StreamResult>& streams,
+void writeFiles(const Dataset& data, const Result& result, const std::optional<FittedStreams>& fitted,
                 const CommandSettings& settings, const ImageNumbers& numbers) {
+  const StreamResult* streams = fitted ? &fitted->result : nullptr;
   OutputFiles files;
   std::string said;
   if (!settings.jsonPath().empty()) {
-    files.add(settings.json_file, toJson(result, numbers, streams));
+    files.add(settings.json_file, toJson(result, numbers, fitted));
     said += fmt::format("written: {}\n", oneLine(settings.json_file));
   }
   const Unsoundness unsound = unsoundnessOf(result);
@@ -113,6 +114,7 @@ void writeFiles(const Dataset& data, const Result& result, const std::optional<S
       files.add(output.file, output.text);
       said += fmt::format("written: {}\n", oneLine(output.file));
     }
+    if (streams) said += lostTimes(settings.format, *streams);
   } else {
     for (const std::string& file : outputFiles(settings))
       said += fmt::format("not written, because {}: {}\n",
@@ -122,12 +124,12 @@ void writeFiles(const Dataset& data, const Result& result, const std::optional<S
                           oneLine(file));
   }
   if (!settings.report_file.empty()) {
-    files.add(settings.report_file, toHtml(data, result));
+    files.add(settings.report_file, toHtml(data, result, fitted));
     said += fmt::format("written: {}\n", oneLine(settings.report_file));
   }
   files.commit();
   if (settings.jsonToStdout())
-    std::fputs(toJson(result, numbers, streams).c_str(), stdout);  // main() checks that it arrived
+    std::fputs(toJson(result, numbers, fitted).c_str(), stdout);  // main() checks that it arrived
   if (!settings.quiet && !said.empty()) say("\n" + said);
 }
 
@@ -142,7 +144,8 @@ void requireResultsWritable(const CommandSettings& settings) {
 /// Returns what --compare is to choose: everything that no other option sets.
 Choices choicesOf(const CommandSettings& settings) {
   return {settings.compared, !settings.model_is_given, !settings.board_shape_is_given,
-          !settings.sigma_by_is_given, settings.is_compared && !settings.rolling_shutter};
+          !settings.sigma_by_is_given,
+          settings.is_compared && !settings.rolling_shutter && !settings.cameras_move};
 }
 
 /// Reports what each comparison found. Before the fit, refuses a model that the output format cannot hold.
@@ -239,7 +242,7 @@ void run(const RawOptions& raw) {
   if (settings.board) requireResultsWritable(settings);  // before the search for boards, which takes long
   if (settings.model_is_given) requireModelOf(settings);
   ImageNumbers numbers;
-  const Dataset data = readInTime(settings, numbers);
+  Dataset data = readInTime(settings, numbers);
   requireImageSizes(settings, data.cameras);
   requireResultsWritable(settings);
   limits.catchInterrupts();
@@ -247,20 +250,31 @@ void run(const RawOptions& raw) {
   for (const std::string& file : settings.quiet ? std::vector<std::string>() : cornerFiles(settings))
     say(fmt::format("written: {}\n", oneLine(file)));
   const std::vector<ImuStream> imus = inWordsOfOptions(settings, [&] { return readImuStreams(settings); });
+  std::optional<StreamResult> moving;
+  if (settings.cameras_move)
+    moving = inWordsOfOptions(settings, [&] { return fitMovingCameras(data, settings, imus); });
   Result result = inWordsOfOptions(
       settings, [&] { return calibrateByChoice(data, settings, choicesOf(settings), progressOf(settings)); });
   if (result.comparison) result.comparison = inWordsOfOptions(settings, *result.comparison);
-  std::optional<StreamResult> streams;
+  std::optional<FittedStreams> streams;
   if (!imus.empty() && result.success())
-    streams = inWordsOfOptions(
-        settings, [&] { return calibrateStreams(data, settings, result, imus, settings.stream); });
+    streams = inWordsOfOptions(settings, [&] {
+      return moving ? comparedStreams(std::move(*moving), data, settings, result, imus)
+                    : fitStreams(data, settings, result, imus);
+    });
   assessResult(data, settings, result);
+  if (streams) streams->verdict = verdictOf(streams->result, result, streams->agreement);
   if (!settings.quiet) say(reportText(result, streams ? "verdict on the cameras" : "verdict"));
-  if (streams && !settings.quiet) say(streamLines(*streams, result.cameras.front().name));
+  if (streams && !settings.quiet) say(streamLines(streams->result, result.cameras.front().name));
+  if (streams && streams->agreement && !settings.quiet) say(agreementLines(*streams->agreement));
+  if (streams && streams->success() && !settings.quiet)
+    say(verdictText("verdict on the IMU", streams->verdict));
   writeFiles(data, result, streams, settings, numbers);
   std::string failure = failureOf(result);
-  if (failure.empty() && streams) failure = failureOf(*streams);
+  if (failure.empty() && streams) failure = failureOf(streams->result);
   if (failure.empty()) return;
+  if (!imus.empty() && !result.strays.empty() && !settings.stream.camera_offsets && result.cameras.size() > 1)
+    failure += "; if the cameras are not synchronised, add --camera-offsets";
   sayError(fmt::format("slom: {}\n", oneLine(failure)));
   throw CLI::RuntimeError(exit_not_converged);
 }

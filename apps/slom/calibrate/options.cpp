@@ -55,8 +55,7 @@ CLI::Option* addUsualOptions(CLI::App& command, RawOptions& raw) {
   CommandSettings& settings = raw.rest;
   command
       .add_option("--camera", raw.cameras,
-                  "name and corner file of a camera; repeat for each camera, and for each\n"
-                  "part of its recording")
+                  "name and corner file; repeat for each camera and part of its recording")
       ->type_name("NAME=FILE")
       ->allow_extra_args(false);
   command
@@ -85,7 +84,8 @@ CLI::Option* addUsualOptions(CLI::App& command, RawOptions& raw) {
   command
       .add_option("--imu-stream", raw.imu_streams,
                   "name and readings of an IMU in motion: time, gyroscope, accelerometer;\n"
-                  "repeat for each IMU; images then need times")
+                  "repeat for each IMU; images then need times. --help-all has more:\n"
+                  "--imu-noise, --lenses, --camera-offsets, --rolling-shutter")
       ->type_name("NAME=FILE")
       ->allow_extra_args(false);
   command
@@ -142,10 +142,11 @@ void addMoreOptions(CLI::App& command, RawOptions& raw) {
       ->type_name("NAME=WxH");
   command
       .add_option("--format", raw.format,
-                  "format of --output: OpenCV's FileStorage, ROS camera_info or Kalibr's\n"
-                  "camchain; otherwise ros if the name has {name} in it, kalibr if it has\n"
-                  "camchain, or opencv")
-      ->type_name("opencv|ros|kalibr");
+                  "format of --output: OpenCV's FileStorage, ROS camera_info, Kalibr's\n"
+                  "camchain, or files of OpenVINS or Basalt, which need an --imu-stream;\n"
+                  "otherwise ros if the name has {name} in it, kalibr if it has camchain,\n"
+                  "openvins if it has imucam_chain, or opencv")
+      ->type_name("opencv|ros|kalibr|openvins|basalt");
   command
       .add_option("--imu-reads", raw.imu_reads,
                   "what the accelerometer reports at rest: the reaction to gravity, which\n"
@@ -158,6 +159,27 @@ void addMoreOptions(CLI::App& command, RawOptions& raw) {
                   "estimated from the residuals")
       ->type_name("NAME=FILE")
       ->allow_extra_args(false);
+  command
+      .add_option("--imu-model", raw.imu_model,
+                  "errors of the axes of an --imu-stream to estimate: none; scales,\n"
+                  "misalignments and the gyroscope's sensitivity to forces; or also\n"
+                  "the places of the accelerometers")
+      ->type_name("calibrated|scale-misalignment|scale-misalignment-size-effect")
+      ->default_str("calibrated");
+  command
+      .add_option("--imu-motion", raw.imu_motion,
+                  "how an --imu-stream is fitted: readings integrated between images, a\n"
+                  "spline through all readings and images, or both, compared")
+      ->type_name("preintegration|splines|both")
+      ->default_str("preintegration");
+  command
+      .add_flag("--camera-offsets", settings.stream.camera_offsets,
+                "estimate the time offset of each camera to the first, by splines;\n"
+                "needs an --imu-stream; images need not be simultaneous")
+      ->disable_flag_override();
+  command
+      .add_option("--knot-spacing", raw.knot_spacing, "time between knots of the spline [s]; otherwise 0.03")
+      ->type_name("NUMBER");
   command
       .add_option("--sigma-acc", settings.sigma_acc, "standard deviation of each axis of a reading [m/s^2]")
       ->type_name("NUMBER")
@@ -177,6 +199,13 @@ void addMoreOptions(CLI::App& command, RawOptions& raw) {
                   "keep a parameter of cameras between two values: k3=-1,1 or\n"
                   "left.fx=400,600; may be repeated")
       ->type_name("NAME=LOWER,UPPER")
+      ->allow_extra_args(false);
+  command
+      .add_option("--lenses", raw.lenses,
+                  "hold the lenses at known values: Kalibr's camchain for all cameras in\n"
+                  "their order, or NAME=FILE, a camchain or EuRoC's sensor.yaml with one\n"
+                  "camera; sets --intrinsics")
+      ->type_name("[NAME=]FILE")
       ->allow_extra_args(false);
   command
       .add_option("--board-shape", raw.board_shape,
@@ -203,9 +232,12 @@ void addMoreOptions(CLI::App& command, RawOptions& raw) {
                   "--compare tries all of them, unless this is given")
       ->type_name("constant|speed|slant|distance")
       ->default_str("constant");
-  command.add_flag("--rolling-shutter", settings.rolling_shutter,
-                   "estimate the time in which the rows of an image are read out, from\n"
-                   "recordings with image numbers at equal intervals; --compare tries it");
+  command
+      .add_flag("--rolling-shutter", settings.rolling_shutter,
+                "estimate the time in which the rows of an image are read out: from an\n"
+                "--imu-stream, by splines; otherwise from recordings with image numbers\n"
+                "at equal intervals; --compare tries it")
+      ->disable_flag_override();
   command.add_option("--max-iterations", settings.max_iterations, "limit of iterations of a fit")
       ->type_name("NUMBER")
       ->capture_default_str();

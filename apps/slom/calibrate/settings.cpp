@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "calibrate/imu_streams.hpp"
+#include "calibrate/known_lenses.hpp"
 #include "calibrate/result_paths.hpp"
 #include "calibrate/sources.hpp"
 #include "error.hpp"
@@ -337,6 +338,62 @@ bool parseImuReads(const std::string& text, const CommandSettings& settings) {
   return text == "gravity";
 }
 
+ImuAxes parseImuModel(const std::string& text, const CommandSettings& settings) {
+  if (text.empty()) return ImuAxes::calibrated;
+  if (settings.imu_streams.empty())
+    throw UserError(fmt::format(
+        "--imu-model {}: there is no IMU in motion; add --imu-stream NAME=FILE or drop this option", text));
+  for (const ImuAxes axes :
+       {ImuAxes::calibrated, ImuAxes::scale_misalignment, ImuAxes::scale_misalignment_size_effect}) {
+    if (text == toString(axes)) return axes;
+  }
+  throw UserError(fmt::format(
+      "--imu-model {}: the models are calibrated, scale-misalignment and scale-misalignment-size-effect",
+      text));
+}
+
+/// Sets whether clocks and shutters of the cameras are estimated with the motion.
+void parseMovingCameras(const std::string& motion, CommandSettings& settings) {
+  const bool has_offsets = settings.stream.camera_offsets;
+  if (has_offsets && settings.imu_streams.empty())
+    throw UserError(
+        "--camera-offsets: there is no IMU in motion; add --imu-stream NAME=FILE or drop this option");
+  if (has_offsets && settings.cameras.size() < 2)
+    throw UserError("--camera-offsets: there is one camera only; add another one or drop this option");
+  settings.cameras_move = !settings.imu_streams.empty() && (has_offsets || settings.rolling_shutter);
+  if (!settings.cameras_move) return;
+  const char* const option = has_offsets ? "--camera-offsets" : "--rolling-shutter";
+  if (motion == "preintegration")
+    throw UserError(
+        fmt::format("{}: with an --imu-stream, needs splines; drop --imu-motion preintegration", option));
+}
+
+/// Sets how IMUs in motion are fitted.
+void parseImuMotion(const RawOptions& raw, CommandSettings& settings) {
+  const std::string& motion = raw.imu_motion;
+  if (!motion.empty() && motion != "preintegration" && motion != "splines" && motion != "both")
+    throw UserError(
+        fmt::format("--imu-motion {}: unknown motion; give preintegration, splines or both", motion));
+  if (!motion.empty() && settings.imu_streams.empty())
+    throw UserError(fmt::format(
+        "--imu-motion {}: there is no IMU in motion; add --imu-stream NAME=FILE or drop this option",
+        motion));
+  parseMovingCameras(motion, settings);
+  settings.compares_paths = motion == "both";
+  if (motion == "splines" || (motion.empty() && settings.cameras_move))
+    settings.stream.path = StreamPath::splines;
+  if (!raw.knot_spacing) return;
+  constexpr double least = 0.001, most = 10;
+  const double spacing = *raw.knot_spacing;
+  if (motion != "both" && settings.stream.path != StreamPath::splines)
+    throw UserError(fmt::format(
+        "--knot-spacing {}: needs splines; add --imu-motion splines or both, or drop this option", spacing));
+  if (!(spacing >= least && spacing <= most))
+    throw UserError(
+        fmt::format("--knot-spacing {}: spacing out of range; give {:g} to {:g} s", spacing, least, most));
+  settings.stream.knot_spacing = spacing;
+}
+
 /// Refuses values of an IMU that is not there. With streams, a fixed gravity is theirs.
 void checkFixedOfImu(CommandSettings& settings) {
   Fixed& fixed = settings.fixed;
@@ -365,13 +422,19 @@ CommandSettings parseSettings(const RawOptions& raw) {
   settings.imu_streams = parseImuStreams(raw.imu_streams, raw.imu_noises, settings.cameras);
   settings.robust = parseRobust(raw.robust);
   settings.imu_reads_gravity = parseImuReads(raw.imu_reads, settings);
+  settings.stream.axes = parseImuModel(raw.imu_model, settings);
+  parseImuMotion(raw, settings);
   parseSigmaBy(raw, settings);
   parseBoardShape(raw, settings);
   settings.exclusions = parseExclusions(raw.excluded, settings.cameras);
   settings.fixed = parseFixed(raw.fixed, settings.lens_options);
   for (const LensOption& bound : parseBounds(raw.bounded)) settings.lens_options.push_back(bound);
-  settings.lens.assign(settings.lens_options.begin(), settings.lens_options.end());
+  if (!raw.lenses.empty() && raw.compare)
+    throw UserError("--compare: the lenses are known by --lenses; drop one of the two");
   parseModels(raw, settings);
+  settings.image_sizes = parseImageSizes(raw.image_sizes, settings.cameras);
+  holdLenses(raw.lenses, raw.model, settings);
+  settings.lens.assign(settings.lens_options.begin(), settings.lens_options.end());
   checkLens(settings, settings.model);
   for (const Model& model : settings.compared) checkLens(settings, model);
   requireSigma("--sigma-px", settings.sigma_px, "px");
@@ -381,7 +444,6 @@ CommandSettings parseSettings(const RawOptions& raw) {
   }
   requireTimeLimit(settings.limits.max_seconds);
   checkFixedOfImu(settings);
-  settings.image_sizes = parseImageSizes(raw.image_sizes, settings.cameras);
   settings.format = parseFormat(raw.format, settings.yaml_file, settings.cameras.size());
   checkPaths(settings);
   return settings;

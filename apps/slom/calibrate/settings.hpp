@@ -27,7 +27,7 @@ struct ImuFile {
 };
 
 /// The format of --output.
-enum class OutputFormat { opencv, ros, kalibr };
+enum class OutputFormat { opencv, ros, kalibr, openvins, basalt };
 
 /// A constraint of --fix or --bound, and the option as the user wrote it.
 struct LensOption : LensConstraint {
@@ -40,10 +40,13 @@ struct CommandSettings : Settings, ReportOptions {
   std::optional<Board> board;  ///< in the photographs of the cameras; nothing: the cameras have corner files
   std::optional<BoardOfFiles>
       board_of_files;  ///< what the options say about a board in corner files; nothing: no option is given
-  std::string corners_folder;            ///< for the corners that were found; empty: not written
-  std::string imu_file;                  ///< empty: no IMU
-  std::vector<ImuFile> imu_streams;      ///< IMUs in motion
-  StreamSettings stream;                 ///< of these
+  std::string corners_folder;        ///< for the corners that were found; empty: not written
+  std::string imu_file;              ///< empty: no IMU
+  std::vector<ImuFile> imu_streams;  ///< IMUs in motion
+  StreamSettings stream;             ///< of these
+  bool compares_paths = false;       ///< also fits them by splines
+  /// Clocks or shutters of the cameras are estimated with the motion, before their own calibration.
+  bool cameras_move = false;
   std::vector<LensOption> lens_options;  ///< Settings::lens follows from them
   std::vector<Model> compared;           ///< models of --compare; empty: none
   bool model_is_given = true;            ///< false: the comparison chooses the model
@@ -62,14 +65,18 @@ struct RawOptions {
   std::vector<std::string> cameras, images, imu_files, imu_streams, imu_noises;
   BoardOptions board;
   std::vector<std::string> fixed, bounded, excluded;
+  std::vector<std::string> lenses;  ///< of --lenses
   std::vector<std::string> image_sizes;
   std::string format;  ///< empty: by the name of the file
   std::string robust = "reject";
-  std::string imu_reads;              ///< empty: reaction
-  std::string sigma_by;               ///< empty: constant, or what the comparison chooses
-  std::string board_shape;            ///< empty: flat, or what the comparison chooses
-  std::optional<double> sigma_board;  ///< [m]
-  std::string model;                  ///< empty: opencv5, or what the comparison chooses
+  std::string imu_reads;               ///< empty: reaction
+  std::string imu_model;               ///< empty: calibrated
+  std::string imu_motion;              ///< empty: splines if the cameras move, otherwise preintegration
+  std::optional<double> knot_spacing;  ///< [s]
+  std::string sigma_by;                ///< empty: constant, or what the comparison chooses
+  std::string board_shape;             ///< empty: flat, or what the comparison chooses
+  std::optional<double> sigma_board;   ///< [m]
+  std::string model;                   ///< empty: opencv5, or what the comparison chooses
   std::vector<std::string> compared;
   bool compare = false;
   CommandSettings rest;

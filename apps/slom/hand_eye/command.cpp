@@ -80,6 +80,7 @@ calibration::PoseStream read(const std::string& file, bool is_inverted, bool are
         file));
   if (!is_inverted) return stream;
   for (calibration::StampedPose& pose : stream.poses) pose.pose = pose.pose.inverse();
+  stream.is_inverted = true;
   return stream;
 }
 
@@ -109,7 +110,7 @@ void run(const RawOptions& raw) {
   console.print(resultText(streams, result));
   writeJson(streams, result, raw, console);
   if (result.success()) return;
-  sayError(fmt::format("slom: {}\n", oneLine(failureText(result))));
+  sayError(fmt::format("slom: {}\n", oneLine(failureText(streams, result))));
   throw CLI::RuntimeError(exit_not_converged);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,12 +27,18 @@ using Json = nlohmann::ordered_json;
 
 constexpr double to_deg = 180 / std::numbers::pi;
 
-std::string lineOf(const char* name, const PoseStream& stream, bool has_times) {
+/// Returns a line on the poses of a stream, and one on what they were taken as.
+std::string linesOf(const char* moving, const char* fixed, const PoseStream& stream, bool has_times) {
   const std::size_t count = stream.poses.size();
-  if (!has_times) return fmt::format("  {:<8}{}: {}\n", name, oneLine(stream.file), plural(count, "pose"));
-  const double seconds = stream.poses.back().t_s - stream.poses.front().t_s;
-  return fmt::format("  {:<8}{}: {} in {:.1f} s, {:.1f} per second\n", name, oneLine(stream.file),
-                     plural(count, "pose"), seconds, seconds > 0 ? double(count - 1) / seconds : 0);
+  std::string text = fmt::format("  {:<8}{}: {}", moving, oneLine(stream.file), plural(count, "pose"));
+  if (has_times) {
+    const double seconds = stream.poses.back().t_s - stream.poses.front().t_s;
+    text += fmt::format(" in {:.1f} s, {:.1f} per second", seconds,
+                        seconds > 0 ? double(count - 1) / seconds : 0);
+  }
+  const auto [outer, inner] = stream.is_inverted ? std::pair(moving, fixed) : std::pair(fixed, moving);
+  return text +
+         fmt::format("\n          taken as {}_T_{}: poses of the {} in the {}\n", outer, inner, inner, outer);
 }
 
 /// A row of three components with their clustered and plain standard deviations.
@@ -55,6 +63,7 @@ std::string poseText(const char* name, const PoseEstimate& estimate, const char*
          row("rotation vector [deg]", turn, estimate.std_clustered.tail<3>() * to_deg,
              estimate.std.tail<3>() * to_deg) +
          fmt::format("  quaternion x y z w     {:.8f} {:.8f} {:.8f} {:.8f}\n", R.x(), R.y(), R.z(), R.w()) +
+         fmt::format("  p_{} = R p_{} + t\n", outer, inner) +
          fmt::format("  std: along the axes of the {}; small turns about those of the {}\n", outer, inner);
 }
 
@@ -110,8 +119,8 @@ Json jsonOf(const NumberEstimate& number, bool is_estimated) {
 
 std::string streamsText(const Streams& streams) {
   const bool has_times = !streams.settings.pairs;
-  return "hand-eye calibration\n" + lineOf("hand", streams.hand, has_times) +
-         lineOf("camera", streams.camera, has_times);
+  return "hand-eye calibration\n" + linesOf("hand", "base", streams.hand, has_times) +
+         linesOf("camera", "target", streams.camera, has_times);
 }
 
 std::string resultText(const Streams& streams, const HandEyeResult& result) {
@@ -138,12 +147,13 @@ std::string resultText(const Streams& streams, const HandEyeResult& result) {
   return text + (result.success() ? "\nConverged; the motion determines everything.\n" : "");
 }
 
-std::string failureText(const HandEyeResult& result) {
-  using calibration::InverseStream;
-  if (result.inverse != InverseStream::none)
-    return fmt::format("{}: pass {}", result.message,
-                       result.inverse == InverseStream::hand ? "--invert-hand" : "--invert-camera");
-  if (!result.converged) return result.message;
+std::string failureText(const Streams& streams, const HandEyeResult& result) {
+  std::string text = result.message;
+  for (const auto& [stream, seems, option] : {std::tuple(&streams.hand, &result.hand_seems, "--invert-hand"),
+                                              {&streams.camera, &result.camera_seems, "--invert-camera"}}) {
+    if (seems->is_inverse) text += fmt::format(": {} {}", stream->is_inverted ? "drop" : "pass", option);
+  }
+  if (!result.converged) return text;
   return result.free.front().text;
 }
 

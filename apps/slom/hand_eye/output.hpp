@@ -18,7 +18,7 @@ std::string streamsText(const Streams& streams);
 /// Returns the lines on values, residuals and warnings.
 std::string resultText(const Streams& streams, const calibration::HandEyeResult& result);
 /// Returns why a calibration failed, in a sentence.
-std::string failureText(const calibration::HandEyeResult& result);
+std::string failureText(const Streams& streams, const calibration::HandEyeResult& result);
 /// Returns the JSON with the keys of docs/hand_eye.md.
 std::string toJson(const Streams& streams, const calibration::HandEyeResult& result);
 

@@ -44,6 +44,8 @@ bool isDensity(double density) { return std::isfinite(density) && density > 0; }
 bool isDuration(double seconds) { return seconds >= 2 && seconds <= 3600; }
 bool isRate(double rate) { return rate >= 1 && rate <= 10000; }
 bool isOffset(double seconds) { return std::abs(seconds) <= 1e6; }
+bool isPhase(double seconds) { return std::abs(seconds) <= 1; }
+bool isLineDelay(double seconds) { return std::abs(seconds) <= 1e-3; }
 
 void addStereoImu(CLI::App& simulate) {
   struct Arguments {
@@ -101,7 +103,10 @@ void addMotion(CLI::App& command, SimulatedMotion& motion) {
     motion = found->second;
   };
   command
-      .add_option_function<std::string>("--motion", read, "of the rig: full, translation, one-axis or rest")
+      .add_option_function<std::string>(
+          "--motion", read,
+          "of the rig while the IMU records: full, translation, one-axis or rest;\n"
+          "before all but full, the cameras alone record a full motion as long")
       ->type_name("MOTION")
       ->default_str("full");
 }
@@ -123,7 +128,7 @@ void addStereoImuStream(CLI::App& simulate) {
       ->required();
   addNumber(command, "--seed", options.seed, "of the random motion and noise; equal seeds give equal files",
             isAnySeed, "a whole number from 0 to 18446744073709551615");
-  addNumber(command, "--seconds", options.seconds, "length of the recording", isDuration,
+  addNumber(command, "--seconds", options.seconds, "length of the recording, see --motion", isDuration,
             "a number of seconds from 2 to 3600");
   addNumber(command, "--camera-rate", options.camera_rate, "images per second", isRate,
             "a rate from 1 to 10000 Hz");
@@ -134,6 +139,12 @@ void addStereoImuStream(CLI::App& simulate) {
   addNoise(command, options.noise);
   addNumber(command, "--time-offset", options.time_offset, "t_imu - t_camera [s]", isOffset,
             "a number of seconds from -1e6 to 1e6");
+  addNumber(command, "--camera-offset", options.camera_offset, "t_cam1 - t_cam0 [s]", isOffset,
+            "a number of seconds from -1e6 to 1e6");
+  addNumber(command, "--camera-phase", options.camera_phase, "from an image of cam0 to one of cam1 [s]",
+            isPhase, "a number of seconds from -1 to 1");
+  addNumber(command, "--line-delay", options.line_delay, "time between rows of an image [s]", isLineDelay,
+            "a number of seconds from -1e-3 to 1e-3");
   addMotion(command, options.motion);
   command.callback([arguments] {
     const StereoImuStreamData data = simulateStereoImuStream(arguments->options);

@@ -1,6 +1,7 @@
 #include "simulate/stereo_imu_stream.hpp"
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 namespace slom::app {
@@ -37,17 +38,34 @@ double sideOf(const StereoImuStreamOptions& options) {
   return options.square_m * (options.tags + (options.tags - 1) * options.spacing);
 }
 
+/// One of the cameras in motion: `world2camera` at a time after the first image, in the clock of cam0.
+struct MovingCamera {
+  const SimulatedCamera& lens;
+  double line_delay;
+  std::function<SE3(double)> world2camera;
+
+  /// Returns the point in the frame of the camera when its row is read, in an image of that time.
+  Vec3 seenAt(const Vec3& world, double time) const {
+    Vec3 point = world2camera(time) * world;
+    if (line_delay == 0) return point;
+    constexpr int rounds = 6;  // each reduces the error of the time by the row's motion while a row is read
+    for (int round = 0; round < rounds && point.z() > 0; ++round)
+      point = world2camera(time + line_delay * lens.project(point).y()) * world;
+    return point;
+  }
+};
+
 /// Returns the corners of all tags that one camera sees whole, without noise.
 std::vector<StreamCorner> visibleCorners(const StereoImuStreamOptions& options,
-                                         const StereoImuStreamData& data, const SimulatedCamera& camera,
-                                         const SE3& world2camera, std::int64_t time_ns) {
+                                         const StereoImuStreamData& data, const MovingCamera& camera,
+                                         double time, std::int64_t time_ns) {
   std::vector<StreamCorner> corners;
   for (int tag = 0; tag < options.tags * options.tags; ++tag) {
     const std::size_t before = corners.size();
     for (int k = 0; k < 4; ++k) {
-      const Vec3 point = world2camera * streamCornerInWorld(options, 4 * tag + k);
+      const Vec3 point = camera.seenAt(streamCornerInWorld(options, 4 * tag + k), time);
       if (point.z() <= 0 || point.head<2>().norm() > point.z()) break;  // more than 45 degrees off the axis
-      const mtk::vect<2> pixel = camera.project(point);
+      const mtk::vect<2> pixel = camera.lens.project(point);
       const bool inside = pixel.x() >= 0 && pixel.x() <= data.image_width_px - 1 &&  //
                           pixel.y() >= 0 && pixel.y() <= data.image_height_px - 1;
       if (!inside) break;
@@ -61,13 +79,16 @@ std::vector<StreamCorner> visibleCorners(const StereoImuStreamOptions& options,
 std::int64_t nanoseconds(double seconds) { return std::int64_t(std::llround(seconds * 1e9)); }
 
 /// Adds the corners of both cameras at a time after the first image, with noise.
-void addImage(const StereoImuStreamOptions& options, const SE3& cam0_to_world, double time, Random& random,
+void addImage(const StereoImuStreamOptions& options, const SimulatedPath& path, double time, Random& random,
               StereoImuStreamData& data) {
-  const SE3 world_to_cam0 = cam0_to_world.inverse();
   for (int c = 0; c < 2; ++c) {
-    const SE3 world2camera = c == 0 ? world_to_cam0 : data.cam0_to_cam1 * world_to_cam0;
-    for (StreamCorner corner : visibleCorners(options, data, c == 0 ? data.cam0 : data.cam1, world2camera,
-                                              options.epoch_ns + nanoseconds(time))) {
+    const double phase = c == 0 ? 0 : options.camera_phase, offset = c == 0 ? 0 : options.camera_offset;
+    const MovingCamera camera{c == 0 ? data.cam0 : data.cam1, options.line_delay, [&](double t) {
+                                const SE3 world_to_cam0 = path(t).inverse();
+                                return c == 0 ? world_to_cam0 : data.cam0_to_cam1 * world_to_cam0;
+                              }};
+    for (StreamCorner corner : visibleCorners(options, data, camera, time + phase,
+                                              options.epoch_ns + nanoseconds(time + phase + offset))) {
       corner.pixel.x() += options.sigma_px * random.normal();
       corner.pixel.y() += options.sigma_px * random.normal();
       data.corners[c].push_back(corner);
@@ -176,13 +197,13 @@ StereoImuStreamData simulateStereoImuStream(const StereoImuStreamOptions& option
   double first = 0;
   if (options.motion != SimulatedMotion::full) {
     const SimulatedPath around(options, SimulatedMotion::full);
-    for (; first < kViewsBefore; ++first) addImage(options, around(first), first, pixel_random, data);
+    for (; first < kViewsBefore; ++first) addImage(options, around, first, pixel_random, data);
   }
   const SimulatedPath path(options, options.motion);
   const int images = int(std::floor(options.seconds * options.camera_rate)) + 1;
   for (int i = 0; i < images; ++i) {
     const double time = first + i / options.camera_rate;
-    addImage(options, path(time), time, pixel_random, data);
+    addImage(options, path, time, pixel_random, data);
   }
   addReadings(options, path, first, data);
   return data;

@@ -4,7 +4,8 @@
 // Frames    world   the board's: x along a row of tags, y up, z towards the cameras, origin at corner 0   [m]
 //           cam0    the reference camera: z forward, x right, y down                                      [m]
 //           p_cam1 = cam0_to_cam1 * p_cam0,   p_imu = cam0_to_imu * p_cam0
-// Clocks    t_imu = t_camera + time_offset                                                                [s]
+// Clocks    t_imu = t_cam0 + time_offset,   t_cam1 = t_cam0 + camera_offset                               [s]
+// Shutter   a corner in row v is seen line_delay * v after the time of its image                          [s]
 // IMU       gyro = R (angular velocity of the rig) + bias + noise                                         [rad/s]
 //           force = R (acceleration of the IMU's origin - gravity) + bias + noise                         [m/s^2]
 
@@ -35,6 +36,9 @@ struct StereoImuStreamOptions {
   double sigma_px = 0.1;                    ///< noise of u and of v [px]
   ImuNoise noise{2e-4, 2e-3, 2e-5, 5e-4};
   double time_offset = 0.0123;  ///< [s]
+  double camera_offset = 0;     ///< [s]
+  double camera_phase = 0;      ///< from an image of cam0 to one of cam1 [s]
+  double line_delay = 0;        ///< of both cameras [s/row]
   SimulatedMotion motion = SimulatedMotion::full;
   int tags = 6;                            ///< in a row, and in a column
   double square_m = 0.088, spacing = 0.3;  ///< side of a tag; gap, in sides

@@ -58,6 +58,10 @@ std::string nameOf(SimulatedMotion motion) {
   return "";
 }
 
+Json timingJson(double offset, double line_delay) {
+  return {{"time_offset_s", {{"value", offset}}}, {"line_delay_s", {{"value", line_delay}}}};
+}
+
 std::string truthJson(const StereoImuStreamData& data, const StereoImuStreamOptions& options) {
   Json json;
   json["simulation"] = {{"seed", options.seed},
@@ -77,6 +81,8 @@ std::string truthJson(const StereoImuStreamData& data, const StereoImuStreamOpti
                             {"accelerometer_noise_density", options.noise.force},
                             {"accelerometer_random_walk", options.noise.force_walk}}}};
   json["gravity"] = vectorJson(data.gravity);
+  json["streams"]["cameras"] = {{"cam0", timingJson(0, options.line_delay)},
+                                {"cam1", timingJson(options.camera_offset, options.line_delay)}};
   return json.dump(2) + "\n";
 }
 

@@ -1,7 +1,9 @@
 /// Corners and readings from and to files that `slom calibrate` reads. docs/calibrate/corners.md has their columns.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "slom/calibration/dataset.hpp"
@@ -28,8 +30,8 @@ struct BoardOfFiles {
 /// no rows, another header, a row of another length, a field that is not a number or too large, a corner that an image
 /// lists twice.
 ///
-/// In place of `image`, the first column may be a time: `t_ns`, whole nanoseconds, or `t_s`, seconds. The columns
-/// world_x_m to world_z_m may be missing if the board is given (readRig).
+/// In place of `image`, the first column may be a time with its unit: `t_ns`, whole nanoseconds, `t_us`, `t_ms` or `t_s`;
+/// also `timestamp_us` or `time [us]`. The columns world_x_m to world_z_m may be missing if the board is given (readRig).
 ///
 /// Files of other programs are recognised by their first words: `corners.vnl` of mrcal, XML, YAML and JSON of OpenCV's
 /// FileStorage with `image_points`. If such a file does not contain the positions of its corners, throws
@@ -75,6 +77,17 @@ struct KalibrTarget {
 
 /// Reads Kalibr's `target_type: checkerboard`, `circlegrid` or `aprilgrid`. Throws as readCorners does.
 KalibrTarget readKalibrTarget(const std::string& file);
+
+/// A lens from a file of another program.
+struct KnownLens {
+  std::string model;                                       ///< opencv4, fisheye or double_sphere
+  std::vector<std::pair<std::string, double>> parameters;  ///< names of the model, and values
+  std::optional<ImageSize> image_size;
+};
+
+/// Reads the lenses of Kalibr's camchain (cam0, cam1, ...; pinhole-radtan, pinhole-equi and ds-none), or the lens of EuRoC's
+/// sensor.yaml. Throws as readCorners does.
+std::vector<KnownLens> readKnownLenses(const std::string& file);
 
 /// Returns the text of a file for readCorners. Numbers have all digits, so reading the text again gives the same data.
 /// Standard deviations (Corner::sigma) have no column and are left out. If all views have times, the first column is

@@ -43,14 +43,16 @@ struct PoseStream {
   std::vector<StampedPose> poses;
   /// False: the source has no times. Then t_s counts the poses, and only HandEyeSettings::pairs accepts the stream.
   bool has_times = true;
+  bool is_inverted = false;  ///< the caller inverted the poses of the file, for messages
 
   /// Returns the source of a pose, with which errors begin: `hand.csv:17`, or `hand.csv: pose 16` if it has no line.
   std::string place(std::size_t index) const;
 };
 
-/// Reads poses from a file or pipe: CSV with a header that names columns (t_s or t_ns; x_m, y_m, z_m or x, y, z; qx, qy,
-/// qz, qw), in any order, or a trajectory of TUM (`t x y z qx qy qz qw`, separated by blanks). Comments begin with #.
-/// Without a column of times, the rows are single poses for HandEyeSettings::pairs. Quaternions are normalised. Throws
+/// Reads poses from a file or pipe: CSV with a header that names columns (t_s, t_ms, t_us or t_ns; x_m, y_m, z_m or x, y,
+/// z; qx, qy, qz, qw), in any order, or a trajectory of TUM (`t x y z qx qy qz qw`, separated by blanks). Comments begin
+/// with #. Without a column of times, the rows are single poses for HandEyeSettings::pairs. Quaternions are normalised.
+/// Throws
 /// the errors of io::openInput, and DataError [slom.calibration.bad-file] with file and line.
 PoseStream readPoseStream(const std::string& file);
 
@@ -103,14 +105,19 @@ struct FreeDirection {
   std::string text;       ///< what is free, why, and which motion is missing
 };
 
-/// The stream that seems to have the poses of its fixed frame in its moving one.
-enum class InverseStream { none, hand, camera };
+/// How the poses of a stream seem to be meant, other than they were taken.
+struct OtherReading {
+  bool is_inverse = false;   ///< they are the inverses, moving_T_fixed
+  bool has_w_first = false;  ///< quaternions are w, x, y, z in the file where x, y, z, w were read
+};
 
 /// A hand-eye calibration: the values found, their uncertainty, and what was left out or remains free.
 struct HandEyeResult {
   bool converged = false;
-  std::string message;                          ///< why the fit stopped, or why it cannot be trusted
-  InverseStream inverse = InverseStream::none;  ///< searched for if the streams do not describe one motion
+  std::string message;  ///< why the fit stopped, or why it cannot be trusted
+  /// Searched for if the streams do not describe one motion. Inverse poses of one stream fit as well as inverse poses of
+  /// the other one: the stream with PoseStream::is_inverted is named, or else the camera.
+  OtherReading hand_seems, camera_seems;
   std::vector<FreeDirection> free;
   std::vector<std::string> warnings;  ///< on the streams and the fit
 

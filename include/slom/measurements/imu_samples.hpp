@@ -12,10 +12,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include "mtk/dual.hpp"
 #include "mtk/types/trafo.hpp"
+#include "slom/model/imu_noise.hpp"
 
 namespace slom {
 
@@ -24,14 +26,6 @@ struct ImuSample {
   double time = 0;     ///< [s]
   mtk::vect<3> gyro;   ///< angular velocity [rad/s]
   mtk::vect<3> force;  ///< specific force: acceleration minus gravity [m/s^2]
-};
-
-/// Densities of white noise, and of the random walk of the biases, as data sheets and Kalibr's imu.yaml state them.
-struct ImuNoise {
-  double gyro = 0;        ///< gyroscope_noise_density [rad/s/sqrt(Hz)]
-  double force = 0;       ///< accelerometer_noise_density [m/s^2/sqrt(Hz)]
-  double gyro_walk = 0;   ///< gyroscope_random_walk [rad/s^2/sqrt(Hz)]
-  double force_walk = 0;  ///< accelerometer_random_walk [m/s^3/sqrt(Hz)]
 };
 
 namespace detail {
@@ -98,7 +92,8 @@ class ImuSamples {
   std::span<const ImuSample> all() const { return samples_; }
 
   /// Calls `each(duration, gyro, force)` with the mean readings of each piece between two times: pieces end at samples.
-  /// Times may carry derivatives. The readings change linearly between samples.
+  /// Times may carry derivatives. The readings change linearly between samples. If `each` takes a fourth argument, it gets
+  /// the change of the angular velocity with time [rad/s^2].
   template <class S>
   void pieces(const S& from, const S& to, auto&& each) const {
     std::size_t next = after(detail::withoutDerivatives(from));
@@ -108,22 +103,34 @@ class ImuSamples {
       is_last = next >= samples_.size() || samples_[next].time >= detail::withoutDerivatives(to);
       const S end = is_last ? to : S(samples_[next].time);
       const Reading<S> other = readingAt<S>(end, next);
-      each(S(end - time), mtk::vect<3, S>((reading.gyro + other.gyro) / S(2)),
-           mtk::vect<3, S>((reading.force + other.force) / S(2)));
+      const mtk::vect<3, S> gyro((reading.gyro + other.gyro) / S(2)),
+          force((reading.force + other.force) / S(2));
+      if constexpr (std::is_invocable_v<decltype(each), S, mtk::vect<3, S>, mtk::vect<3, S>, mtk::vect<3, S>>)
+        each(S(end - time), gyro, force, slopeAt<S>(next));
+      else
+        each(S(end - time), gyro, force);
       time = end;
       reading = other;
     }
   }
 
-  /// Returns the motion between two times. `corrected(gyro, force)` returns the pair of angular velocity and specific
-  /// force from readings, such as withoutBias().
+  /// Returns the motion between two times. `corrected(gyro, force)`, or `corrected(gyro, force, slope)` with the change of
+  /// the angular velocity, returns the pair of angular velocity and specific force from readings, such as withoutBias().
   template <class S>
   ImuMotion<S> motion(const S& from, const S& to, const auto& corrected) const {
+    using V = mtk::vect<3, S>;
     ImuMotion<S> motion;
-    pieces(from, to, [&](const S& duration, const mtk::vect<3, S>& gyro, const mtk::vect<3, S>& force) {
-      const auto [rate, push] = corrected(gyro, force);
-      motion.add(rate, push, duration);
-    });
+    if constexpr (std::is_invocable_v<decltype(corrected), V, V, V>) {
+      pieces(from, to, [&](const S& duration, const V& gyro, const V& force, const V& slope) {
+        const auto [rate, push] = corrected(gyro, force, slope);
+        motion.add(rate, push, duration);
+      });
+    } else {
+      pieces(from, to, [&](const S& duration, const V& gyro, const V& force) {
+        const auto [rate, push] = corrected(gyro, force);
+        motion.add(rate, push, duration);
+      });
+    }
     return motion;
   }
 
@@ -138,6 +145,13 @@ class ImuSamples {
     return std::size_t(std::upper_bound(samples_.begin(), samples_.end(), time,
                                         [](double t, const ImuSample& s) { return t < s.time; }) -
                        samples_.begin());
+  }
+  /// Returns the change of the angular velocity between samples next - 1 and next [rad/s^2].
+  template <class S>
+  mtk::vect<3, S> slopeAt(std::size_t next) const {
+    if (next == 0 || next >= samples_.size()) return mtk::vect<3, S>(mtk::vect<3>(0., 0., 0.));
+    const ImuSample &a = samples_[next - 1], &b = samples_[next];
+    return mtk::vect<3, S>(mtk::vect<3>((b.gyro - a.gyro) / (b.time - a.time)));
   }
   /// Returns the reading at a time between samples next - 1 and next.
   template <class S>

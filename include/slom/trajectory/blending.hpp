@@ -22,6 +22,25 @@ namespace detail {
 template <int N>
 using Polynomial = std::array<double, static_cast<std::size_t>(N)>;
 
+/// Returns the derivative of order D by time of the polynomial p in u = since / spacing.
+template <int D, std::size_t N, class T>
+T derivativeOf(const std::array<double, N>& p, const T& since, double spacing) {
+  if constexpr (mtk::detail::is_dual<T>) {  // the chain rule once, not in each step of Horner's scheme
+    return mtk::detail::chain(since, derivativeOf<D>(p, since.value(), spacing),
+                              derivativeOf<D + 1>(p, since.value(), spacing));
+  } else {
+    const T u = since / T(spacing);
+    T sum(0.0);
+    for (int k = static_cast<int>(N) - 1; k >= D; --k) {
+      int falling = 1;  // k (k - 1) ... (k - D + 1)
+      for (int m = 0; m < D; ++m) falling *= k - m;
+      sum = sum * u + T(falling * p[static_cast<std::size_t>(k)]);
+    }
+    for (int m = 0; m < D; ++m) sum = sum / T(spacing);
+    return sum;
+  }
+}
+
 /// Returns p(u) (u - root) / scale for a polynomial whose degree leaves room for one more.
 template <int N>
 constexpr Polynomial<N> timesLinear(const Polynomial<N>& p, double root, double scale) {
@@ -114,29 +133,12 @@ class Blending {
     const auto since = t - start_;
     using T = std::remove_cvref_t<decltype(since)>;
     std::array<T, steps> result;
-    for (std::size_t j = 0; j < steps; ++j) result[j] = weight<Derivative>(weights_[j], since);
+    for (std::size_t j = 0; j < steps; ++j)
+      result[j] = detail::derivativeOf<Derivative>(weights_[j], since, spacing_);
     return result;
   }
 
  private:
-  /// Returns the derivative of order D by time of the polynomial p in (t - start) / spacing.
-  template <int D, class T>
-  T weight(const detail::Polynomial<N>& p, const T& since) const {
-    if constexpr (mtk::detail::is_dual<T>) {  // the chain rule once, not in each step of Horner's scheme
-      return mtk::detail::chain(since, weight<D>(p, since.value()), weight<D + 1>(p, since.value()));
-    } else {
-      const T u = since / T(spacing_);
-      T sum(0.0);
-      for (int k = N - 1; k >= D; --k) {
-        int falling = 1;  // k (k - 1) ... (k - D + 1)
-        for (int m = 0; m < D; ++m) falling *= k - m;
-        sum = sum * u + T(falling * p[static_cast<std::size_t>(k)]);
-      }
-      for (int m = 0; m < D; ++m) sum = sum / T(spacing_);
-      return sum;
-    }
-  }
-
   double start_, spacing_;
   std::array<detail::Polynomial<N>, steps> weights_;
 };

@@ -18,6 +18,7 @@
 #include <tuple>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "slom/trajectory/spline.hpp"
 
@@ -160,7 +161,8 @@ class MeasurementOnSegments final : public MovingMeasurement {
       : f_(std::move(f)),
         places_(std::apply([](const auto&... place) { return std::tuple{WatchedPlace(place)...}; }, places)),
         arguments_(std::move(arguments)) {
-    segments_ = eachPlace([](auto& spline, double t, std::int64_t) { return spline.coveredSegment(t); });
+    before_ = segments_ =
+        eachPlace([](auto& spline, double t, std::int64_t) { return spline.coveredSegment(t); });
     id = insert(est, segments_);
   }
 
@@ -169,8 +171,9 @@ class MeasurementOnSegments final : public MovingMeasurement {
            std::apply([](const auto&... place) { return (!place.spline.expired() && ...); }, places_);
   }
   bool isAway() const override {
-    const Numbers is_outside = eachPlace(
-        [](auto& spline, double t, std::int64_t present) { return spline.isOutside(t, present) ? 1 : 0; });
+    const Numbers is_outside = eachPlace([&](auto& spline, double t, std::int64_t present) {
+      return spline.isOutside(t, present, returns_) ? 1 : 0;
+    });
     return is_outside != Numbers{};
   }
   void place(Estimator& est) override {
@@ -183,6 +186,8 @@ class MeasurementOnSegments final : public MovingMeasurement {
     const AnyMeasID inserted = insert(est, next);
     est.removeMeasurement(id);
     id = inserted;
+    if (next == before_) ++returns_;
+    before_ = segments_;
     segments_ = next;
   }
 
@@ -214,7 +219,8 @@ class MeasurementOnSegments final : public MovingMeasurement {
   F f_;
   std::tuple<WatchedPlace<Segments>...> places_;
   Arguments arguments_;
-  Numbers segments_{};
+  Numbers segments_{}, before_{};
+  int returns_ = 0;  ///< how often it has moved back to where it came from
 };
 
 template <class F, class... Segments, class... Rest>
@@ -272,5 +278,6 @@ Placed insertMeasurement(Estimator& est, F f, const Args&... args) {
 /// iterations and seconds of all and the RSS at the start. Iterations in the trace and for the observer begin anew with
 /// each fit. Throws as Estimator::optimize does.
 Summary optimize(Estimator& est, std::initializer_list<SplineBase> splines, const Options& options = {});
+Summary optimize(Estimator& est, const std::vector<SplineBase>& splines, const Options& options = {});
 
 }  // namespace slom::trajectory

@@ -14,23 +14,10 @@
 
 namespace slom::trajectory {
 
-/// The N control points of a segment, of numbers S. Times may be of another number type than S.
-template <int N, class S = double>
-class PoseSegment {
+/// The functions of time of a body whose position and orientation are curves of their own.
+template <class Position, class Rotation>
+class PoseFunctions {
  public:
-  static constexpr int order = N;
-  using Control = mtk::trafo<mtk::SO3<S>>;
-  using Controls = std::array<Control, std::size_t{N}>;
-  /// This segment over another number type.
-  template <class T>
-  using Over = PoseSegment<N, T>;
-
-  /// Joins control points and weights.
-  PoseSegment(const Blending<N>& blending, const Controls& controls)
-      : position_(blending, positionsOf(controls)), rotation_(blending, detail::orientationsOf(controls)) {}
-
-  /// Returns the weights of the segment.
-  const Blending<N>& blending() const { return position_.blending(); }
   /// Returns world_T_body at the time t.
   template <class Time>
   auto poseAt(const Time& t) const {
@@ -93,17 +80,43 @@ class PoseSegment {
     return rotation_.worldAngularAccelerationAt(t);
   }
 
- private:
+ protected:
+  /// Joins the two curves.
+  PoseFunctions(const Position& position, const Rotation& rotation)
+      : position_(position), rotation_(rotation) {}
+
+  Position position_;
+  Rotation rotation_;
+};
+
+/// The N control points of a segment, of numbers S. Times may be of another number type than S.
+template <int N, class S = double>
+class PoseSegment : public PoseFunctions<VectorSegment<3, N, S>, RotationSegment<N, S>> {
   using Position = VectorSegment<3, N, S>;
   using Rotation = RotationSegment<N, S>;
+
+ public:
+  static constexpr int order = N;
+  using Control = mtk::trafo<mtk::SO3<S>>;
+  using Controls = std::array<Control, std::size_t{N}>;
+  /// This segment over another number type.
+  template <class T>
+  using Over = PoseSegment<N, T>;
+
+  /// Joins control points and weights.
+  PoseSegment(const Blending<N>& blending, const Controls& controls)
+      : PoseFunctions<Position, Rotation>(Position(blending, positionsOf(controls)),
+                                          Rotation(blending, detail::orientationsOf(controls))) {}
+
+  /// Returns the weights of the segment.
+  const Blending<N>& blending() const { return this->position_.blending(); }
+
+ private:
   static typename Position::Controls positionsOf(const Controls& controls) {
     typename Position::Controls result;
     for (std::size_t j = 0; j < controls.size(); ++j) result[j] = controls[j].pos;
     return result;
   }
-
-  Position position_;
-  Rotation rotation_;
 };
 
 }  // namespace slom::trajectory

@@ -39,6 +39,20 @@ struct Continues {
   }
 };
 
+/// Whether the control points are the states of a Gaussian process, with a prior between neighbours.
+template <class Segment>
+inline constexpr bool is_process = requires { typename Segment::Prior; };
+/// The power spectral density of a process; nothing for splines.
+template <class Segment>
+struct DensityOf {
+  struct Density {};
+};
+template <class Segment>
+  requires is_process<Segment>
+struct DensityOf<Segment> {
+  using Density = typename Segment::Prior::Density;
+};
+
 /// The control points of a spline with segments of this kind.
 template <class Segment>
 class ControlPoints final : public SplineState {
@@ -46,9 +60,12 @@ class ControlPoints final : public SplineState {
   using Control = typename Segment::Control;
   /// Start values of control points by their times.
   using Start = std::function<Control(double)>;
+  using Density = typename DensityOf<Segment>::Density;
 
-  ControlPoints(Knots all_knots, std::string its_name)
-      : SplineState(std::move(all_knots), std::move(its_name), Segment::order) {}
+  explicit ControlPoints(Knots all_knots, std::string its_name, const Density& its_density = Density())
+      : SplineState(std::move(all_knots), std::move(its_name), Segment::order,
+                    is_process<Segment> ? Ties::all : Ties::ends),
+        density(its_density) {}
 
   std::int64_t count() const override { return static_cast<std::int64_t>(ids.size()); }
   /// Returns the control points of a segment as a tuple.
@@ -67,6 +84,7 @@ class ControlPoints final : public SplineState {
   }
 
   std::deque<VarID<Control>> ids;
+  const Density density;
   Start start;  // empty: continues the motion
 
  private:
@@ -82,6 +100,16 @@ class ControlPoints final : public SplineState {
   AnyVarID end(bool at_front) const override { return at_front ? ids.front() : ids.back(); }
 
   AnyMeasID tie(Estimator& est, std::int64_t i, std::int64_t step) const override {
+    if constexpr (is_process<Segment>) {
+      const std::int64_t first = std::min(i, i + step);
+      const typename Segment::Prior prior(knots[first + 1] - knots[first], density);
+      return est.insertMeasurement(prior, at(first), at(first + 1), Covariance(prior.covariance()),
+                                   named(name + " prior"));
+    } else {
+      return tieEnd(est, i, step);
+    }
+  }
+  AnyMeasID tieEnd(Estimator& est, std::int64_t i, std::int64_t step) const {
     return est.insertMeasurement(continuation(i, step), at(i), at(i + step), at(i + 2 * step),
                                  StandardDeviation(changes()), named(name + " continues"));
   }
@@ -96,9 +124,13 @@ class ControlPoints final : public SplineState {
   /// Returns the value of a new control point beyond an end.
   Control continued(std::int64_t i, bool at_front) const {
     if (ids.empty()) return Control();
-    if (ids.size() == 1) return *ids.front();
     const std::int64_t step = at_front ? 1 : -1;
-    return continuation(i, step).continued(*at(i + step), *at(i + 2 * step));
+    if constexpr (is_process<Segment>) {
+      return predicted(*at(i + step), knots[i] - knots[i + step]);
+    } else {
+      if (ids.size() == 1) return *ids.front();
+      return continuation(i, step).continued(*at(i + step), *at(i + 2 * step));
+    }
   }
   /// Returns 3 times the RMS change of the motion between the control points, in each component.
   mtk::tangent_t<Control> changes() const {
@@ -145,7 +177,7 @@ class SplineBase {
   /// the motion is 0 with 3 times the RMS change between all control points as standard deviation. Data determine these
   /// control points less than the others, for N = 6 by a factor of up to 120. A second call renews the measurements
   /// with the present values. Does nothing for less than 4
-  /// control points.
+  /// control points, and for a GaussianProcess, whose prior determines them.
   void tieEnds(Estimator& est) { state_->tieEnds(est, true); }
   /// Returns whether a measurement of this spline has a time outside its segment, on this or another spline.
   bool isLeft() const;
@@ -163,13 +195,17 @@ class SplineBase {
 /// A spline with segments of this kind: VectorSegment, RotationSegment, PoseSegment or ScrewSegment.
 template <class Segment>
 class Spline : public SplineBase {
+ protected:
   using State = detail::ControlPoints<Segment>;
+
+  explicit Spline(std::shared_ptr<State> state) : SplineBase(std::move(state)) {}
 
  public:
   using Control = typename Segment::Control;
 
   /// Creates a spline without control points. `name` is for messages: the control points are `name[i]`.
   Spline(Knots knots, std::string name)
+    requires(!detail::is_process<Segment>)
       : SplineBase(std::make_shared<State>(std::move(knots), std::move(name))) {}
 
   /// Adds the control points that the times between `from` and `to` lack, as variables. Their start values continue the

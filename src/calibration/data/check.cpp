@@ -149,8 +149,11 @@ void checkConnected(const Dataset& data) {
         "slom.calibration.unconnected",
         fmt::format(
             "{}: no common images connect camera {} with camera {}, not even through other cameras; take "
-            "images of the board with both at the same time, or calibrate them separately",
-            firstPlace(camera), camera.name, data.cameras.front().name),
+            "images of the board with both at the same time, or calibrate them separately{}",
+            firstPlace(camera), camera.name, data.cameras.front().name,
+            camera.views.front().time_ns
+                ? ". Cameras with clocks of their own need an --imu-stream and --camera-offsets"
+                : ""),
         camera.name);
   }
 }

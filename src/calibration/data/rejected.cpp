@@ -1,7 +1,7 @@
 #include "calibration/data/rejected.hpp"
 
 #include <algorithm>
-#include <set>
+#include <map>
 #include <utility>
 
 namespace slom::calibration {
@@ -41,6 +41,12 @@ Dataset withoutRejected(const Dataset& data, const Result& result) {
   return rest;
 }
 
+bool isLong(const Dataset& data) {
+  constexpr std::size_t many = 300;  // views of a camera
+  return std::all_of(data.cameras.begin(), data.cameras.end(),
+                     [](const CameraData& camera) { return camera.views.size() > many; });
+}
+
 std::vector<GrossCorner> rejectable(const Dataset& data, const Result& result) {
   // In standard deviations. If a lens model is slightly too simple, good corners at the border of an image reach 6 or
   // 7.
@@ -48,16 +54,22 @@ std::vector<GrossCorner> rejectable(const Dataset& data, const Result& result) {
   constexpr double of_the_worst =
       0.5;  // a gross corner pulls the fit towards it, so that other corners look worse than they are
   constexpr double most = 0.1;  // fraction of the corners of a view; beyond, the view itself is wrong
-  std::set<std::pair<std::size_t, int>> views;
+  using ViewKey = std::pair<std::size_t, int>;
+  const bool is_long = isLong(data);
+  std::map<ViewKey, int> gone;
+  for (const GrossCorner& corner : result.rejected) ++gone[{corner.camera, corner.image}];
+  std::map<ViewKey, double> worst_of_view;
   std::vector<GrossCorner> rejected;
   double worst = 0;
   for (const GrossCorner& corner : result.gross) {  // the worst first
-    if (!views.insert({corner.camera, corner.image}).second) continue;
-    if (corner.studentised < std::max(beyond_doubt, of_the_worst * worst)) break;
-    int gone = 1;
-    for (const GrossCorner& one : result.rejected)
-      gone += one.camera == corner.camera && one.image == corner.image ? 1 : 0;
-    if (gone > most * double(data.cameras[corner.camera].find(corner.image)->corners.size())) continue;
+    const ViewKey view(corner.camera, corner.image);
+    const auto [first, is_first] = worst_of_view.emplace(view, corner.studentised);
+    if (!is_first && !is_long) continue;
+    if (corner.studentised < beyond_doubt || (!is_long && corner.studentised < of_the_worst * worst)) break;
+    if (corner.studentised < of_the_worst * first->second) continue;
+    if (gone[view] + 1 > most * double(data.cameras[corner.camera].find(corner.image)->corners.size()))
+      continue;
+    ++gone[view];
     worst = std::max(worst, corner.studentised);
     rejected.push_back(corner);
   }

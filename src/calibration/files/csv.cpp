@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -117,18 +119,13 @@ std::string CsvRow::digits(std::size_t column) const {
   return std::string(text.substr(std::min(text.find_first_not_of('0'), text.size() - 1)));
 }
 
-std::string CsvRow::nanoseconds(std::size_t column) const {
-  const std::string_view text = fields_->at(first_field_ + column);
-  const std::size_t point = std::min(text.find_first_of(".,"), text.size());
-  std::string whole(text.substr(0, point));
-  std::string rest(text.substr(std::min(point + 1, text.size())));
-  constexpr std::size_t most = 10, places = 9;
-  if (whole.empty() || whole.size() > most ||
-      (whole + rest).find_first_not_of("0123456789") != std::string::npos)
-    fail(column, "write seconds there, as in 1403715273.262143");
-  rest.resize(places, '0');
-  whole += rest;
-  return whole.substr(std::min(whole.find_first_not_of('0'), whole.size() - 1));
+std::string CsvRow::nanoseconds(std::size_t column, TimeUnit unit) const {
+  if (unit == TimeUnit::ns) return digits(column);
+  const std::optional<std::int64_t> time = nanosecondsIn(fields_->at(first_field_ + column), unit);
+  if (time && *time >= 0) return std::to_string(*time);
+  fail(column, unit == TimeUnit::s    ? "write seconds there, as in 1403715273.262143"
+               : unit == TimeUnit::ms ? "write milliseconds there, as in 1403715273262.143"
+                                      : "write microseconds there, as in 1403715273262143");
 }
 
 std::vector<std::string> columnsOf(std::string_view text) {

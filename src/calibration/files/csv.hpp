@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "calibration/files/times.hpp"
+
 namespace slom::calibration {
 
 /// One line below the header. A field is text until it is read as a number.
@@ -26,8 +28,8 @@ class CsvRow {
   int index(std::size_t column) const;
   /// Returns the digits of a whole number of any size, without leading zeros. Throws likewise.
   std::string digits(std::size_t column) const;
-  /// Returns a time in seconds, such as 1403715273.262143, as whole nanoseconds from 0 on. Throws likewise.
-  std::string nanoseconds(std::size_t column) const;
+  /// Returns a time in this unit as whole nanoseconds from 0 on. Throws likewise.
+  std::string nanoseconds(std::size_t column, TimeUnit unit) const;
 
  private:
   [[noreturn]] void fail(std::size_t column, const std::string& expectation) const;

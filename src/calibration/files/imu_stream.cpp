@@ -4,15 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "calibration/files/document.hpp"
 #include "calibration/files/text.hpp"
+#include "calibration/files/times.hpp"
+#include "calibration/median.hpp"
 #include "slom/io/input_file.hpp"
 #include "slom/io/number.hpp"
 
@@ -76,43 +82,76 @@ struct Table {
   }
 };
 
-/// Returns whether the times are seconds: the header says so, or a time has a decimal point.
-bool areSeconds(const Table& table) {
-  if (table.header.find("t_s,") != std::string::npos || table.header.find("[s]") != std::string::npos)
-    return true;
-  return std::any_of(table.rows.begin(), table.rows.end(), [](const Row& row) {
+/// Returns the unit of the times that a line of the header states in its first column.
+std::optional<TimeUnit> unitInLine(std::string_view line) {
+  line.remove_prefix(std::min(line.find_first_not_of("# \t\""), line.size()));
+  std::size_t end = line.find_first_of(",;\t");
+  if (end == std::string_view::npos) {
+    end = line.find(' ');
+    const std::string_view rest = end == std::string_view::npos ? "" : trimmed(line.substr(end));
+    if (rest.starts_with('[') || rest.starts_with('(')) end = line.find(' ', line.find_first_of("[("));
+  }
+  return timeUnitIn(line.substr(0, end));
+}
+
+/// Returns the unit that the header states.
+std::optional<TimeUnit> statedUnit(const Table& table) {
+  for (std::string_view rest = table.header; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    if (const auto unit = unitInLine(rest.substr(0, end))) return unit;
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return {};
+}
+
+/// Returns the unit of times without a stated one: seconds if a time has a decimal point.
+TimeUnit usualUnit(const Table& table) {
+  const bool has_point = std::any_of(table.rows.begin(), table.rows.end(), [](const Row& row) {
     return row.fields[0].find_first_of(".eE") != std::string_view::npos;
   });
+  return has_point ? TimeUnit::s : TimeUnit::ns;
 }
 
 /// Reads a time exactly [ns].
-std::int64_t timeOf(const Table& table, const Row& row, bool are_seconds) {
-  const std::string_view text = row.fields[0];
-  std::int64_t time = 0;
-  if (!are_seconds) {
-    if (!io::parseNumber(text, time))
-      table.fail(row.line,
-                 fmt::format("the time is \"{}\"; write whole nanoseconds, or seconds with a decimal point",
-                             shortened(text, longest_quote)));
-    return time;
+std::int64_t timeOf(const Table& table, const Row& row, TimeUnit unit) {
+  if (const std::optional<std::int64_t> time = nanosecondsIn(row.fields[0], unit)) return *time;
+  const char* const wanted = unit == TimeUnit::s    ? "seconds"
+                             : unit == TimeUnit::ms ? "milliseconds"
+                             : unit == TimeUnit::us ? "microseconds"
+                                                    : "whole nanoseconds, or t_s in the header and seconds";
+  table.fail(row.line,
+             fmt::format("the time is \"{}\"; write {}", shortened(row.fields[0], longest_quote), wanted));
+}
+
+/// Refuses a row whose time is not after that of the row before, but `ns` before it.
+[[noreturn]] void refuseOrder(const Table& table, const Row& row, std::int64_t ns) {
+  const std::string_view time = row.fields[0], above = (&row - 1)->fields[0];
+  if (ns > 0)
+    table.fail(row.line,
+               fmt::format("the time {} is {:.6g} s before that of the row before; sort the rows by time",
+                           time, double(ns) * 1e-9));
+  if (time != above)
+    table.fail(row.line, fmt::format("the time {} is less than 1 ns after {}; correct the unit in the header",
+                                     time, above));
+  table.fail(row.line, fmt::format("the time {} is that of the row before; remove one of the two", time));
+}
+
+/// Refuses times in nanoseconds whose intervals no IMU has, but that would be usual in a larger unit.
+void requireIntervalsOfAnImu(const ImuStream& imu) {
+  constexpr double shortest = 2e-5, least = 1e-4, most = 1;  // s
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < imu.samples.size(); ++i)
+    intervals.push_back(imu.samples[i].time - imu.samples[i - 1].time);
+  const double median = medianOf(std::move(intervals));
+  if (median > shortest) return;
+  for (const auto& [factor, unit, name] :
+       {std::tuple(1e3, "microseconds", "t_us"), {1e6, "milliseconds", "t_ms"}, {1e9, "seconds", "t_s"}}) {
+    if (!(factor * median > least && factor * median < most)) continue;
+    badFile(fmt::format(
+        "{}: readings follow each other by {:.3g} s if their times are nanoseconds, as if they were {}; write {} in the "
+        "header",
+        imu.file, median, unit, name));
   }
-  const std::size_t point = std::min(text.find('.'), text.size());
-  constexpr std::int64_t second = 1'000'000'000;
-  const std::string_view whole = text.substr(0, point), rest = text.substr(std::min(point + 1, text.size()));
-  const bool is_plain = rest.find_first_not_of("0123456789") == std::string_view::npos &&
-                        io::parseNumber(whole, time) &&
-                        std::abs(time) < std::numeric_limits<std::int64_t>::max() / second;
-  if (is_plain) {
-    std::string places(rest.substr(0, 9));
-    places.resize(9, '0');
-    std::int64_t part = 0;
-    io::parseNumber(std::string_view(places), part);
-    return time * second + (text.starts_with('-') ? -part : part);
-  }
-  double seconds = 0;
-  if (!io::parseNumber(text, seconds) || !(std::abs(seconds) < 9e9))
-    table.fail(row.line, fmt::format("the time is \"{}\"; write seconds", shortened(text, longest_quote)));
-  return std::int64_t(std::llround(seconds * 1e9));
 }
 
 double readingOf(const Table& table, const Row& row, std::size_t column) {
@@ -125,36 +164,33 @@ double readingOf(const Table& table, const Row& row, std::size_t column) {
 
 }  // namespace
 
-ImuStream readImuStream(const std::string& name, const std::string& file) {
+ImuStream readImuStream(const std::string& name, const std::string& path) {
+  const std::string file = inFolder(path, "data.csv");
   const std::string text = io::readWhole(file);
   const Table table(file, text);
-  const bool are_seconds = areSeconds(table);
+  const std::optional<TimeUnit> stated = statedUnit(table);
+  const TimeUnit unit = stated.value_or(usualUnit(table));
   ImuStream imu;
   imu.name = name;
   imu.file = file;
   imu.samples.reserve(table.rows.size());
   std::int64_t before = 0;
   for (const Row& row : table.rows) {
-    const std::int64_t time = timeOf(table, row, are_seconds);
+    const std::int64_t time = timeOf(table, row, unit);
     if (imu.samples.empty()) imu.epoch_ns = time;
-    if (!imu.samples.empty() && time <= before) {
-      table.fail(
-          row.line,
-          time == before
-              ? fmt::format("the time {} is that of the row before; remove one of the two", row.fields[0])
-              : fmt::format("the time {} is {:.6g} s before that of the row before; sort the rows by time",
-                            row.fields[0], double(before - time) * 1e-9));
-    }
+    if (!imu.samples.empty() && time <= before) refuseOrder(table, row, before - time);
     before = time;
     const auto read = [&](std::size_t column) { return readingOf(table, row, column); };
     imu.samples.push_back({double(time - imu.epoch_ns) * 1e-9, vec3(read(1), read(2), read(3)),
                            vec3(read(4), read(5), read(6))});
   }
   if (imu.samples.size() < 2) badFile(fmt::format("{}: there is only one reading; give a recording", file));
+  if (!stated && unit == TimeUnit::ns) requireIntervalsOfAnImu(imu);
   return imu;
 }
 
-ImuNoise readImuNoise(const std::string& file) {
+ImuNoise readImuNoise(const std::string& path) {
+  const std::string file = inFolder(path, "sensor.yaml");
   Document document(file, io::readWhole(file));
   parseYaml(document);
   const auto density = [&](std::string_view key) {

@@ -78,37 +78,36 @@ const std::vector<std::string> corner_columns{"image",     "corner", "world_x_m"
 /// A table of corners: what its first column counts, and whether it states where the corners lie.
 struct CornerTable {
   CsvTable table;
-  bool is_in_ns = false, is_in_s = false;
+  std::optional<TimeUnit> unit;  ///< of times; nothing: it has image numbers
   bool has_world = true;
 
   CornerTable(const std::string& file, std::string text)
       : CornerTable(file, columnsOf(text), std::move(text)) {}
 
   /// Returns the digits of the image number or time of a row.
-  std::string digits(const CsvRow& row) const { return is_in_s ? row.nanoseconds(0) : row.digits(0); }
+  std::string digits(const CsvRow& row) const { return unit ? row.nanoseconds(0, *unit) : row.digits(0); }
   /// Returns the time of a row, if the first column has times. Numbers of images that are as long as the time since
   /// 1970 are times, too.
   std::optional<std::int64_t> time(const std::string& digits) const {
     std::int64_t time = 0;
-    if (!is_in_s && !is_in_ns) return timeInDigits(digits);
+    if (!unit) return timeInDigits(digits);
     return io::parseNumber(digits, time) ? std::optional(time) : std::nullopt;
   }
 
  private:
+  static std::optional<TimeUnit> timeIn(const std::vector<std::string>& header) {
+    return header.empty() ? std::nullopt : timeUnitIn(header.front());
+  }
   /// Returns the columns that a file with this header should have: the usual ones unless the header is one of the others.
   static std::vector<std::string> expected(const std::vector<std::string>& header) {
-    for (const char* const first : {"image", "t_ns", "t_s"}) {
-      std::vector<std::string> all = corner_columns;
-      all.front() = first;
-      const std::vector<std::string> without{all[0], all[1], all[5], all[6]};
-      if (header == all || header == without) return header;
-    }
-    return corner_columns;
+    std::vector<std::string> all = corner_columns;
+    if (timeIn(header)) all.front() = header.front();
+    const std::vector<std::string> without{all[0], all[1], all[5], all[6]};
+    return header == all || header == without ? header : corner_columns;
   }
   CornerTable(const std::string& file, const std::vector<std::string>& header, std::string&& text)
       : table(file, std::move(text), expected(header)),
-        is_in_ns(header.front() == "t_ns"),
-        is_in_s(header.front() == "t_s"),
+        unit(timeIn(header)),
         has_world(header.size() == corner_columns.size()) {}
 };
 
@@ -124,6 +123,17 @@ std::vector<std::string> numbersIn(const CornerTable& corners) {
   std::set<std::string> numbers;
   for (const CsvRow& row : corners.table.rows()) numbers.insert(corners.digits(row));
   return {numbers.begin(), numbers.end()};
+}
+
+/// Refuses readings of an IMU in motion, whose rows begin with a time.
+void refuseStream(const std::string& file, const std::string& text) {
+  const std::string_view header = std::string_view(text).substr(0, text.find_first_of("\r\n"));
+  const std::size_t first = header.starts_with('#') ? 1 : 0;
+  if (timeUnitIn(trimmed(header.substr(first, header.find_first_of(",;\t") - first))))
+    badFile(fmt::format(
+        "{}:1: the rows begin with times, as those of an IMU in motion; give --imu-stream imu0={}, or a file "
+        "with the columns {}",
+        file, file, fmt::join(imu_columns, ",")));
 }
 
 bool isValid(const CsvRow& row) {
@@ -320,7 +330,9 @@ struct RigFiles {
       found.erase(std::unique(found.begin(), found.end()), found.end());
     }
     if (imu_file.empty()) return;
-    readings = std::make_unique<CsvTable>(imu_file, io::readWhole(imu_file), imu_columns);
+    std::string text = io::readWhole(imu_file);
+    refuseStream(imu_file, text);
+    readings = std::make_unique<CsvTable>(imu_file, std::move(text), imu_columns);
     numbers.push_back(numbersIn(*readings, isValid));
   }
 

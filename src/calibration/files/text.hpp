@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "slom/calibration/error.hpp"
 
@@ -15,6 +17,12 @@ namespace slom::calibration {
 }
 
 inline constexpr std::size_t longest_quote = 60;  ///< number of characters that messages quote from files
+
+/// Returns the path or, if it is a folder such as EuRoC's cam0 and imu0, the file of this name in it.
+inline std::string inFolder(const std::string& path, const char* file) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored) ? (std::filesystem::path(path) / file).string() : path;
+}
 
 /// Returns the text without blanks at both ends.
 inline std::string_view trimmed(std::string_view text) {

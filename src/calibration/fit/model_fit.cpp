@@ -229,7 +229,8 @@ Result calibrateModel(const Dataset& data, const Settings& given, const Progress
   return calibrateOnce(data, planes, parallel, settings, progress);
 }
 
-Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings) {
+Result calibrateModelFrom(const Result& start, const Dataset& data, const Settings& settings,
+                          double tolerance) {
   requireEnoughMeasurements(data, settings);
   std::vector<Lens> cameras;
   RigStart rig;
@@ -247,9 +248,11 @@ Result calibrateModelFrom(const Result& start, const Dataset& data, const Settin
   RigProblem problem(data, same, cameras, rig, {}, start.board ? &*start.board : nullptr);
   Options options = optionsOf(settings);
   options.most_parameters = 0;
+  options.deviation_tolerance = tolerance;
   options.decrease_tolerance =
       rough_tolerance;  // the start is so near that the rest is far below a standard deviation
-  return problem.result(problem.optimize(options));
+  const Summary summary = problem.optimize(options);
+  return problem.result(summary, tolerance < rough_deviations ? nullptr : &start);
 }
 
 ModelTrial tryModel(const Dataset& data, const Settings& given) {

@@ -239,7 +239,26 @@ ImageResult RigProblem::imageResult(int image) const {
   return result;
 }
 
-Result RigProblem::result(const Summary& summary) {
+namespace {
+
+void copyStandardDeviations(const Result& from, Result& to) {
+  for (std::size_t c = 0; c < to.cameras.size(); ++c) {
+    const CameraResult& source = from.cameras[c];
+    CameraResult& camera = to.cameras[c];
+    for (std::size_t i = 0; i < camera.parameters.size(); ++i)
+      camera.parameters[i].std = source.parameters[i].std;
+    if (camera.readout && source.readout) camera.readout->std = source.readout->std;
+    camera.translation_std = source.translation_std;
+    camera.rotation_std = source.rotation_std;
+    camera.rotation_vector_std = source.rotation_vector_std;
+  }
+  for (std::size_t i = 0; to.board && from.board && i < to.board->corners.size(); ++i)
+    to.board->corners[i].std = from.board->corners[i].std;
+}
+
+}  // namespace
+
+Result RigProblem::result(const Summary& summary, const Result* similar) {
   Result result;
   result.converged = summary.converged;
   result.stop_reason = toString(summary.stop_reason);
@@ -257,6 +276,10 @@ Result RigProblem::result(const Summary& summary) {
   if (data_.imu) result.imu = imuResult();
   result.board = board();
   for (const int image : data_.images()) result.images.push_back(imageResult(image));
+  if (similar) {
+    copyStandardDeviations(*similar, result);
+    return result;
+  }
   try {
     addStandardDeviations(result);
   } catch (const slom::Error& error) {

@@ -26,7 +26,9 @@ class RigProblem {
   RigProblem& operator=(const RigProblem&) = delete;
 
   Summary optimize(const Options& options);
-  Result result(const Summary& summary);
+  /// Returns the values with their standard deviations. `similar`: a result of nearly the same data, whose standard
+  /// deviations are taken instead; that saves as much time as an iteration or two.
+  Result result(const Summary& summary, const Result* similar = nullptr);
   /// Returns the lenses in their current state.
   std::vector<Lens> cameras() const;
   RigStart rig() const;

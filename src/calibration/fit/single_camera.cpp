@@ -10,6 +10,7 @@
 
 #include "calibration/fit/lens_constraints.hpp"
 #include "calibration/fit/measurements.hpp"
+#include "calibration/fit/pose_of_view.hpp"
 #include "calibration/initialization/fisheye.hpp"
 #include "calibration/initialization/intrinsics.hpp"
 #include "calibration/limits.hpp"
@@ -38,39 +39,17 @@ double medianPixelError(const Lens& camera, const SE3& world2camera, const View&
 
 namespace {
 
-/// Returns the pose of one view for a known camera, fitted from a start. Returns the start if the fit fails.
-SE3 fitPose(const Lens& known_camera, const SE3& world2camera, const View& view, const Settings& settings) {
-  Estimator est;
-  est.changeAlgorithm(LevenbergMarquardt());
-  const auto pose = est.insertRV(world2camera.inverse(), true, "camera2world");
-  est.insertMeasurement(ViewOfLeft(view), known_camera, pose);
-  try {
-    Options options;
-    options.most_parameters = 0;
-    options.decrease_tolerance = rough_tolerance;
-    options.deviation_tolerance = std::numeric_limits<double>::infinity();
-    applyLimits(settings.limits, options);
-    est.optimize(options);
-  } catch (const slom::Error&) {  // a corner in the camera's plane: keep the start
-    return world2camera;
-  }
-  const SE3 fitted = pose->inverse();
-  return squaredPixelError(known_camera, fitted, view) < squaredPixelError(known_camera, world2camera, view)
-             ? fitted
-             : world2camera;
-}
-
 /// Returns the better of two poses. A small board seen from afar looks nearly the same when tilted the other way.
 /// Fits both poses unless the other one is clearly worse.
 SE3 poseResolvingAmbiguity(const Lens& camera, const PlaneView& plane, const SE3& world2camera,
-                           const View& view, const Settings& settings) {
+                           const View& view) {
   constexpr double clearly_worse = 16;  // squared error
   const double error = squaredPixelError(camera, world2camera, view);
   if (squaredPixelError(camera, tiltedOtherWay(plane, world2camera), view) > clearly_worse * error)
     return world2camera;
-  const SE3 one = fitPose(camera, world2camera, view, settings);
-  const SE3 other = fitPose(camera, tiltedOtherWay(plane, one), view, settings);
-  return squaredPixelError(camera, other, view) < squaredPixelError(camera, one, view) ? other : one;
+  const FittedPose one = fittedPose(camera, view, world2camera, Look::quick);
+  const FittedPose other = fittedPose(camera, view, tiltedOtherWay(plane, one.world2camera), Look::quick);
+  return other.square < one.square ? other.world2camera : one.world2camera;
 }
 
 /// Fits intrinsics and poses together, starting from the values in `fit`. Keeps these values if the result is not
@@ -117,7 +96,7 @@ FitAlone fitAloneFrom(const Lens& camera, const Pinhole& pinhole, const CameraDa
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const SE3 rough = poseFromHomography(planes[i], pinhole);
     fit.world2camera[data.views[i].image] =
-        poseResolvingAmbiguity(fit.camera, planes[i], rough, data.views[i], settings);
+        poseResolvingAmbiguity(fit.camera, planes[i], rough, data.views[i]);
   }
   const bool is_determined =
       2 * data.cornerCount() >= std::size_t(camera.parameters()) + 6 * data.views.size();
@@ -128,7 +107,7 @@ FitAlone fitAloneFrom(const Lens& camera, const Pinhole& pinhole, const CameraDa
   if (std::isfinite(fit.rms_px)) return fit;
   for (const View& view : data.views) {
     SE3& pose = fit.world2camera.at(view.image);
-    pose = fitPose(fit.camera, pose, view, settings);
+    pose = fittedPose(fit.camera, view, pose, Look::quick).world2camera;
   }
   return fit;
 }

@@ -16,6 +16,8 @@ namespace slom::calibration {
 inline constexpr double rough_tolerance = 1e-6;
 /// Largest distance from the solution at which fits end, in standard deviations. Printed values have no more digits.
 inline constexpr double enough_deviations = 1e-4;
+/// The same for fits of which only large residuals matter.
+inline constexpr double rough_deviations = 0.05;
 
 struct FitAlone {
   Lens camera;

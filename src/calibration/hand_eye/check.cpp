@@ -1,5 +1,8 @@
 #include "calibration/hand_eye/check.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -44,6 +47,18 @@ void checkStream(const PoseStream& stream, bool has_order) {
   if (has_order && !(stream.poses.back().t_s > stream.poses.front().t_s))
     badStream(fmt::format("{}: all poses have the same time; write the time of each, or pass pairs of poses",
                           nameOf(stream)));
+}
+
+/// Returns the words in the name of a file without its folders, in small letters.
+std::vector<std::string> wordsInName(const std::string& file) {
+  std::vector<std::string> words(1);
+  for (const char c : file.substr(file.find_last_of("/\\") + 1)) {
+    if (std::isalpha(static_cast<unsigned char>(c)) != 0)
+      words.back() += char(std::tolower(static_cast<unsigned char>(c)));
+    else
+      words.emplace_back();
+  }
+  return words;
 }
 
 }  // namespace
@@ -91,6 +106,24 @@ std::vector<std::string> noticesOf(const PoseStream& stream) {
         "{}: {} without poses, {:.3g} s in all, the longest {:.3g} s before {:.6f} s; nothing is interpolated there",
         stream.place(largest), counted(gaps, "gap"), missing, longest, stream.poses[largest].t_s));
   return notices;
+}
+
+std::string noticeOfNames(const PoseStream& hand, const PoseStream& camera) {
+  constexpr std::array of_hands{"hand", "base", "robot", "arm", "gripper", "flange", "tool", "tcp", "mocap"};
+  constexpr std::array of_cameras{"camera", "cam", "target", "board", "tag", "eye", "pnp"};
+  const auto hasOne = [](const PoseStream& stream, const auto& words) {
+    const std::vector<std::string> all = wordsInName(stream.file);
+    return std::any_of(words.begin(), words.end(), [&](const char* word) {
+      return std::find(all.begin(), all.end(), word) != all.end();
+    });
+  };
+  if (!hasOne(hand, of_cameras) || hasOne(hand, of_hands) || !hasOne(camera, of_hands) ||
+      hasOne(camera, of_cameras))
+    return "";
+  return fmt::format(
+      "by their names, {} is of a camera and {} of a hand, but they were given the other way round; the poses fit either "
+      "way, with inverse transforms, so give the file of the hand first",
+      nameOf(hand), nameOf(camera));
 }
 
 }  // namespace slom::calibration

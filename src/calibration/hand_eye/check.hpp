@@ -14,4 +14,7 @@ void checkStreams(const PoseStream& hand, const PoseStream& camera, const HandEy
 /// Returns sentences on equal stamps and gaps of a stream.
 std::vector<std::string> noticesOf(const PoseStream& stream);
 
+/// Returns a sentence if the names of both files say that hand and camera are exchanged; empty: they do not.
+std::string noticeOfNames(const PoseStream& hand, const PoseStream& camera);
+
 }  // namespace slom::calibration

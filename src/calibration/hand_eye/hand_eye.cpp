@@ -177,6 +177,8 @@ HandEyeResult handEye(const PoseStream& hand, const PoseStream& camera, const Ha
   if (!settings.pairs) {
     for (std::string& notice : noticesOf(camera)) result.warnings.push_back(std::move(notice));
   }
+  if (std::string notice = noticeOfNames(hand, camera); !notice.empty())
+    result.warnings.push_back(std::move(notice));
   auto [fit, freedom] = fitWhatIsDetermined(streams, settings, start.values);
   requireItems(fit, streams, hand, camera);
   HandEyeProblem problem = finalProblem(streams, settings, fit, freedom.held);

@@ -1,16 +1,19 @@
 // Streams of poses from files.
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "calibration/files/text.hpp"
+#include "calibration/files/times.hpp"
+#include "calibration/median.hpp"
 #include "slom/calibration/hand_eye.hpp"
 #include "slom/io/input_file.hpp"
 #include "slom/io/number.hpp"
@@ -31,36 +34,22 @@ constexpr std::size_t column_count = 8;
 struct ColumnName {
   std::string_view name;
   pose::Column column;
-  bool is_in_ns = false;
 };
-constexpr ColumnName column_names[] = {{"t_s", pose::time},
-                                       {"t", pose::time},
-                                       {"time", pose::time},
-                                       {"time_s", pose::time},
-                                       {"timestamp", pose::time},
-                                       {"t_ns", pose::time, true},
-                                       {"time_ns", pose::time, true},
-                                       {"timestamp_ns", pose::time, true},
-                                       {"x_m", pose::x},
-                                       {"x", pose::x},
-                                       {"tx", pose::x},
-                                       {"p_x", pose::x},
-                                       {"y_m", pose::y},
-                                       {"y", pose::y},
-                                       {"ty", pose::y},
-                                       {"p_y", pose::y},
-                                       {"z_m", pose::z},
-                                       {"z", pose::z},
-                                       {"tz", pose::z},
-                                       {"p_z", pose::z},
-                                       {"qx", pose::qx},
-                                       {"q_x", pose::qx},
-                                       {"qy", pose::qy},
-                                       {"q_y", pose::qy},
-                                       {"qz", pose::qz},
-                                       {"q_z", pose::qz},
-                                       {"qw", pose::qw},
-                                       {"q_w", pose::qw}};
+constexpr ColumnName column_names[] = {
+    {"t", pose::time}, {"time", pose::time}, {"timestamp", pose::time}, {"x_m", pose::x},
+    {"x", pose::x},    {"tx", pose::x},      {"p_x", pose::x},          {"y_m", pose::y},
+    {"y", pose::y},    {"ty", pose::y},      {"p_y", pose::y},          {"z_m", pose::z},
+    {"z", pose::z},    {"tz", pose::z},      {"p_z", pose::z},          {"qx", pose::qx},
+    {"q_x", pose::qx}, {"qy", pose::qy},     {"q_y", pose::qy},         {"qz", pose::qz},
+    {"q_z", pose::qz}, {"qw", pose::qw},     {"q_w", pose::qw}};
+
+/// Returns what a column has; a time may also have a unit in its name.
+std::optional<pose::Column> columnOf(std::string_view name) {
+  for (const ColumnName& known : column_names) {
+    if (known.name == name) return known.column;
+  }
+  return timeUnitIn(name) ? std::optional(pose::time) : std::nullopt;
+}
 
 /// The separators of a table: a character, or blanks of any number if it is a blank.
 char fieldSeparator(std::string_view line) {
@@ -85,7 +74,8 @@ std::vector<std::string_view> split(std::string_view line, char separator) {
 struct Layout {
   std::array<std::optional<std::size_t>, column_count> index{};
   std::vector<std::string> names;  ///< of all columns of the file
-  bool is_in_ns = false;
+  TimeUnit unit = TimeUnit::s;
+  bool has_unit = false;  ///< the header states it
   char separator = ' ';
 };
 
@@ -100,13 +90,15 @@ Layout layoutOf(std::string_view header, const std::string& place) {
   Layout layout;
   layout.separator = fieldSeparator(header);
   for (const std::string_view field : split(header, layout.separator)) {
-    for (const ColumnName& known : column_names) {
-      if (known.name != field) continue;
-      if (layout.index[known.column])
+    if (const std::optional<pose::Column> column = columnOf(field)) {
+      if (layout.index[*column])
         badFile(fmt::format("{}: {} and {} name the same column; keep one of them", place,
-                            layout.names[*layout.index[known.column]], field));
-      layout.index[known.column] = layout.names.size();
-      layout.is_in_ns = layout.is_in_ns || known.is_in_ns;
+                            layout.names[*layout.index[*column]], field));
+      layout.index[*column] = layout.names.size();
+      if (*column == pose::time) {
+        layout.has_unit = timeUnitIn(field).has_value();
+        layout.unit = timeUnitIn(field).value_or(TimeUnit::s);
+      }
     }
     layout.names.emplace_back(field);
   }
@@ -140,8 +132,9 @@ class Rows {
  private:
   double number(std::string_view text, std::size_t column, int line) const {
     double value = 0;
-    std::int64_t ns = 0;
-    if (column == pose::time && layout_.is_in_ns && io::parseNumber(text, ns)) return double(ns) * 1e-9;
+    if (column == pose::time && layout_.unit != TimeUnit::s) {
+      if (const auto ns = nanosecondsIn(text, layout_.unit)) return double(*ns) * 1e-9;
+    }
     const char* wanted = nullptr;
     if (!io::parseNumber(text, value)) {
       wanted = "a number";
@@ -153,7 +146,7 @@ class Rows {
     if (wanted)
       badFile(fmt::format("{}:{}: {} is \"{}\"; write {} there, or remove the row", file_, line,
                           layout_.names[*layout_.index[column]], shortened(text, longest_quote), wanted));
-    return column == pose::time && layout_.is_in_ns ? value * 1e-9 : value;
+    return column == pose::time ? value * std::pow(10, int(layout_.unit) - int(TimeUnit::s)) : value;
   }
 
   SO3 rotation(const std::array<double, column_count>& value, int line) const {
@@ -169,6 +162,25 @@ class Rows {
   const std::string& file_;
   const Layout& layout_;
 };
+
+/// Refuses times taken as seconds, with no unit in the header, whose intervals are usual in a smaller unit.
+void requireIntervalsOfSeconds(const PoseStream& stream) {
+  constexpr double longest = 1000, least = 1e-4, most = 10;  // s
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < stream.poses.size(); ++i)
+    intervals.push_back(stream.poses[i].t_s - stream.poses[i - 1].t_s);
+  const double median = medianOf(std::move(intervals));
+  if (!(median > longest)) return;
+  for (const auto& [factor, unit, name] : {std::tuple(1e-9, "nanoseconds", "t_ns"),
+                                           {1e-6, "microseconds", "t_us"},
+                                           {1e-3, "milliseconds", "t_ms"}}) {
+    if (!(factor * median > least && factor * median < most)) continue;
+    badFile(fmt::format(
+        "{}: poses follow each other by {:.3g} s if their times are seconds, as if they were {}; name their column {} in a "
+        "header",
+        stream.file, median, unit, name));
+  }
+}
 
 bool beginsWithNumber(std::string_view line) {
   double number = 0;
@@ -215,6 +227,7 @@ PoseStream readPoseStream(const std::string& file) {
   }
   if (stream.poses.empty())
     badFile(fmt::format("{}: there are no poses; write \"{}\" and one row for each pose", file, header_text));
+  if (stream.has_times && !layout->has_unit) requireIntervalsOfSeconds(stream);
   return stream;
 }
 

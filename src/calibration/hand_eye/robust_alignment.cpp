@@ -3,24 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
-
 #include "calibration/median.hpp"
+#include "calibration/nearest_rotation.hpp"
 
 namespace slom::calibration {
 namespace {
 
 constexpr int most_rounds = 30;
-
-using Svd = Eigen::JacobiSVD<Eigen::Matrix3d>;
-
-/// Returns the rotation nearest to a matrix, U V^T with determinant 1.
-SO3 nearestRotation(const Svd& svd) {
-  Eigen::Vector3d signs(1, 1, 1);
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs[2] = -1;
-  return SO3(Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose()));
-}
 
 /// Weights 1 / distance, bounded by a fraction of the median distance.
 std::vector<double> weightsFor(const std::vector<double>& distances) {
@@ -42,9 +31,9 @@ Alignment aligned(const std::vector<VectorPair>& pairs) {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (std::size_t i = 0; i < pairs.size(); ++i)
       sum += weights[i] * pairs[i].first * pairs[i].second.transpose();
-    const Svd svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Svd3 svd = svdOf(sum);
     const SO3 before = result.rotation;
-    result.rotation = nearestRotation(svd);
+    result.rotation = SO3(nearestRotation(svd));
     result.axis = svd.matrixU().col(0);
     result.is_turn_free = svd.singularValues()[1] < parallel * svd.singularValues()[0];
     for (std::size_t i = 0; i < pairs.size(); ++i)
@@ -63,7 +52,7 @@ SO3 averaged(const std::vector<SO3>& rotations) {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (std::size_t i = 0; i < rotations.size(); ++i) sum += weights[i] * rotations[i].toRotationMatrix();
     const SO3 before = mean;
-    mean = nearestRotation(Svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV));
+    mean = SO3(nearestRotation(sum));
     for (std::size_t i = 0; i < rotations.size(); ++i)
       distances[i] = SO3::log(mean.inverse() * rotations[i]).norm();
     if (round > 0 && SO3::log(before.inverse() * mean).norm() < 1e-7) break;

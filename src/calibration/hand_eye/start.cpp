@@ -16,14 +16,19 @@ struct Motion {
   SE3 A, B;
 };
 
+BothPoses posesOf(const Streams& streams, std::size_t row, double shift, const PoseReadings& readings) {
+  const BothPoses both = streams.at(streams.rows[row], shift);
+  return {readings.hand(both.hand), readings.camera(both.camera)};
+}
+
 /// Returns some of the rows, spread evenly.
-std::vector<BothPoses> posesAt(const Streams& streams, double shift) {
+std::vector<BothPoses> posesAt(const Streams& streams, double shift, const PoseReadings& readings) {
   constexpr std::size_t most = 1000;
   const std::vector<std::size_t> rows = streams.covered(shift);
   const std::size_t step = std::max<std::size_t>(1, rows.size() / most);
   std::vector<BothPoses> poses;
   for (std::size_t i = 0; i < rows.size(); i += step)
-    poses.push_back(streams.at(streams.rows[rows[i]], shift));
+    poses.push_back(posesOf(streams, rows[i], shift, readings));
   return poses;
 }
 
@@ -32,15 +37,16 @@ Motion motionOf(const BothPoses& a, const BothPoses& b) {
 }
 
 /// Returns motions between poses far from each other or, if a stream drifts, over the length of a motion.
-std::vector<Motion> motionsAt(const Streams& streams, double shift, const HandEyeSettings& settings) {
+std::vector<Motion> motionsAt(const Streams& streams, double shift, const HandEyeSettings& settings,
+                              const PoseReadings& readings) {
   std::vector<Motion> motions;
   if (settings.drifting) {
     for (const RowPair& pair : motionsOver(streams, streams.covered(shift), settings.motion_s))
       motions.push_back(
-          motionOf(streams.at(streams.rows[pair.from], shift), streams.at(streams.rows[pair.to], shift)));
+          motionOf(posesOf(streams, pair.from, shift, readings), posesOf(streams, pair.to, shift, readings)));
     return motions;
   }
-  const std::vector<BothPoses> poses = posesAt(streams, shift);
+  const std::vector<BothPoses> poses = posesAt(streams, shift, readings);
   std::vector<std::size_t> distances;
   for (const std::size_t divisor : {2, 3, 5, 11})
     distances.push_back(std::max<std::size_t>(1, poses.size() / divisor));
@@ -159,9 +165,21 @@ std::vector<SO3> rotationsOf(const std::vector<Motion>& motions, const Alignment
 
 }  // namespace
 
-HandEyeStart startAt(const Streams& streams, double shift, const HandEyeSettings& settings) {
-  const std::vector<BothPoses> poses = posesAt(streams, shift);
-  const std::vector<Motion> motions = motionsAt(streams, shift, settings);
+SE3 PoseReading::operator()(const SE3& pose) const {
+  SE3 result = pose;
+  if (has_w_first) {  // in the file, so before an inversion
+    SE3 given = is_inverted ? pose.inverse() : pose;
+    const SO3& q = given.orient;
+    given.orient = SO3(q.x(), q.y(), q.z(), q.w());
+    result = is_inverted ? given.inverse() : given;
+  }
+  return is_inverse ? result.inverse() : result;
+}
+
+HandEyeStart startAt(const Streams& streams, double shift, const HandEyeSettings& settings,
+                     const PoseReadings& readings) {
+  const std::vector<BothPoses> poses = posesAt(streams, shift, readings);
+  const std::vector<Motion> motions = motionsAt(streams, shift, settings, readings);
   const std::vector<VectorPair> turns = turnsOf(motions);
   HandEyeStart best;
   best.rows = int(poses.size());
@@ -182,27 +200,6 @@ HandEyeStart startAt(const Streams& streams, double shift, const HandEyeSettings
     is_first = false;
   }
   return best;
-}
-
-InverseStream inverseStream(const Streams& streams, double shift, const HandEyeSettings& settings) {
-  constexpr double far_better = 4;
-  const std::vector<Motion> motions = motionsAt(streams, shift, settings);
-  const double misfit = aligned(turnsOf(motions)).misfit;
-  const std::vector<std::size_t> rows = streams.covered(shift);
-  const auto misfitWith = [&](bool is_hand) {
-    std::vector<VectorPair> pairs;
-    for (std::size_t i = 0; i + rows.size() / 3 + 1 < rows.size(); ++i) {
-      const BothPoses a = streams.at(streams.rows[rows[i]], shift),
-                      b = streams.at(streams.rows[rows[i + rows.size() / 3 + 1]], shift);
-      Motion motion = motionOf(a, b);
-      (is_hand ? motion.A : motion.B) = is_hand ? a.hand * b.hand.inverse() : a.camera * b.camera.inverse();
-      for (const VectorPair& pair : turnsOf({motion})) pairs.push_back(pair);
-    }
-    return pairs.empty() ? misfit : aligned(pairs).misfit;
-  };
-  if (misfitWith(false) * far_better < misfit) return InverseStream::camera;
-  if (misfitWith(true) * far_better < misfit) return InverseStream::hand;
-  return InverseStream::none;
 }
 
 }  // namespace slom::calibration

@@ -1,12 +1,19 @@
 // Start values of hand and eye at a known time offset, by linear equations that gross errors do not spoil.
 #pragma once
 
-#include <vector>
-
 #include "calibration/hand_eye/streams.hpp"
 #include "slom/calibration/hand_eye.hpp"
 
 namespace slom::calibration {
+
+/// A pose as another reading of its stream has it.
+struct PoseReading : OtherReading {
+  bool is_inverted = false;  ///< PoseStream::is_inverted
+  SE3 operator()(const SE3& pose) const;
+};
+struct PoseReadings {
+  PoseReading hand, camera;
+};
 
 /// Start values, and how well they explain the motions.
 struct HandEyeStart {
@@ -21,9 +28,7 @@ struct HandEyeStart {
 };
 
 /// Returns start values at a shift. Whatever the motion leaves free has some value. Needs 3 common rows.
-HandEyeStart startAt(const Streams& streams, double shift, const HandEyeSettings& settings);
-
-/// Returns the stream whose inverse poses agree far better, if there is one.
-InverseStream inverseStream(const Streams& streams, double shift, const HandEyeSettings& settings);
+HandEyeStart startAt(const Streams& streams, double shift, const HandEyeSettings& settings,
+                     const PoseReadings& readings = {});
 
 }  // namespace slom::calibration

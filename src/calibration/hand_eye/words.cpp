@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/hand_eye/other_reading.hpp"
 #include "calibration/text.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -120,19 +121,19 @@ void judge(const Streams& streams, const PoseStream& hand, const PoseStream& cam
   const bool agree_in_turns = result.rms_rotation_deg<unlike * turns, turn = turns> least_turn;
   const bool agree_in_moves = result.rms_translation_m < unlike * extentOf(streams);
   const bool are_few = double(result.outliers.size()) < 0.5 * std::max(result.motions, result.rows);
-  if ((turn ? agree_in_turns : agree_in_moves) && are_few) return;
-  result.inverse = inverseStream(streams, start.alike_shift, settings);
+  const bool is_one_motion = (turn ? agree_in_turns : agree_in_moves) && are_few;
+  if (is_one_motion && agree_in_moves) return;
+  const bool is_found = findOtherReading(streams, hand, camera, start.alike_shift, settings, result);
+  if (is_one_motion && !is_found) return;
   result.converged = false;
   result.free.clear();
   result.message = fmt::format(
       "{} and {} do not describe one motion: residuals of {:.3g} degrees and {:.3g} m remain, of turns of {:.3g} degrees",
       hand_name, camera_name, result.rms_rotation_deg, result.rms_translation_m, turns);
-  if (result.inverse != InverseStream::none)
-    result.message += fmt::format("; the inverse poses of {} agree far better, so invert them",
-                                  result.inverse == InverseStream::hand ? hand_name : camera_name);
-  else
-    result.message +=
-        "; check that both are on one rigid body, that quaternions are qx,qy,qz,qw, and the frames of the poses";
+  result.message +=
+      is_found
+          ? "; " + sentenceOnReading(hand, hand_name, camera, camera_name, result)
+          : "; check that both are on one rigid body, that quaternions are qx,qy,qz,qw, and the frames of the poses";
 }
 
 }  // namespace slom::calibration

@@ -7,11 +7,10 @@
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "calibration/initialization/right_singular.hpp"
+#include "calibration/nearest_rotation.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
@@ -26,10 +25,7 @@ struct Rotation {
 Rotation kabsch(const std::vector<TiltPair>& pairs, const vec3& bias, double gravity) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const TiltPair& pair : pairs) sum += (pair.acc - bias) * (gravity * pair.up_in_left).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d U = svd.matrixU();
-  if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) = -U.col(2);
-  Rotation result{SO3(Eigen::Matrix3d(U * svd.matrixV().transpose())), 0};
+  Rotation result{SO3(nearestRotation(sum)), 0};
   for (const TiltPair& pair : pairs) {
     result.misfit += (pair.acc - bias - gravity * (result.left2imu * pair.up_in_left)).squaredNorm();
   }

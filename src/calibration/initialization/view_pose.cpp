@@ -4,7 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
+
+#include "calibration/nearest_rotation.hpp"
 
 namespace slom::calibration {
 
@@ -26,9 +27,7 @@ SE3 poseFromHomography(const PlaneView& view, const Pinhole& camera) {
   M *= 2 / (M.col(0).norm() + M.col(1).norm());
   const Eigen::Vector3d centre = M.col(2);
   M.col(2) = M.col(0).cross(M.col(1));
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();  // det M > 0, so det R = 1
-  return poseOf(R, centre) * view.plane.plane2world.inverse();
+  return poseOf(nearestRotation(M), centre) * view.plane.plane2world.inverse();
 }
 
 SE3 tiltedOtherWay(const PlaneView& view, const SE3& world2camera) {

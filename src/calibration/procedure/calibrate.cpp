@@ -17,6 +17,7 @@
 #include "calibration/limits.hpp"
 #include "calibration/models/definition.hpp"
 #include "calibration/procedure/corner_noise.hpp"
+#include "calibration/procedure/fit_once.hpp"
 #include "calibration/procedure/mirrored_views.hpp"
 #include "calibration/procedure/stray_views.hpp"
 #include "calibration/quality/uncertainty/clustered.hpp"
@@ -48,8 +49,10 @@ void predictRejected(const Dataset& of_flat_board, Result& result) {
 
 /// Fits the same images again, starting from the first result. Copies values that only a fit from the beginning
 /// computes.
-Result fittedAgain(const Dataset& data, const Settings& settings, const Result& first) {
-  Result next = data.imu ? calibrateModel(data, settings, {}) : calibrateModelFrom(first, data, settings);
+Result fittedAgain(const Dataset& data, const Settings& settings, const Result& first,
+                   double tolerance = enough_deviations) {
+  Result next =
+      data.imu ? calibrateModel(data, settings, {}) : calibrateModelFrom(first, data, settings, tolerance);
   next.rejected = first.rejected;
   next.strays = first.strays;
   next.sigma_denominator = first.sigma_denominator;
@@ -64,6 +67,7 @@ Result fittedAgain(const Dataset& data, const Settings& settings, const Result& 
 /// Fits again without the worst gross corners until none is left. Skips fits whose images contradict each other.
 Result withoutGrossCorners(const Dataset& data, const Settings& settings, Result result) {
   constexpr int most_rounds = 10;
+  bool is_rough = false;
   std::optional<Clustering> clustering(std::in_place, withoutRejected(data, result), result);
   clustering->addGrossCorners(result);
   for (int round = 0; round < most_rounds && result.success() && result.strays.empty(); ++round) {
@@ -72,11 +76,20 @@ Result withoutGrossCorners(const Dataset& data, const Settings& settings, Result
     Result without = result;
     without.rejected.insert(without.rejected.end(), worst.begin(), worst.end());
     const Dataset rest = withoutRejected(data, without);
-    Result next = fittedAgain(rest, settings, without);
+    Result next = fittedAgain(rest, settings, without, rough_deviations);
     if (!next.success()) break;  // values fitted to all corners are better than none
     result = std::move(next);
+    is_rough = true;
     clustering.emplace(rest, result);
     clustering->addGrossCorners(result);
+  }
+  if (is_rough) {
+    const Dataset rest = withoutRejected(data, result);
+    if (Result next = fittedAgain(rest, settings, result); next.success()) {
+      result = std::move(next);
+      clustering.emplace(rest, result);
+      clustering->addGrossCorners(result);
+    }
   }
   clustering->addClustered(result);
   return result;
@@ -221,6 +234,10 @@ Result fitWithSecondLook(const Dataset& data, const Settings& settings, const Pr
   if (settings.robust != Robust::none) {
     if (auto without = withoutStrayViews(data, settings, &*first, quietly)) return std::move(*without);
     if (auto without = withoutViewsToScale(data, settings, *first, quietly)) return std::move(*without);
+    if (isLong(data) &&
+        first->strays.empty()) {  // a few blurred images make the fit a bad one, but not its lens
+      if (auto without = withoutScaledViews(data, settings, *first, quietly)) return std::move(*without);
+    }
   }
   if (first->strays.empty())
     nameCauses(data, settings, *first);
@@ -241,6 +258,14 @@ Result fitWithoutMirroredViews(const Dataset& data, const Settings& settings, co
 }
 
 }  // namespace
+
+Result fitOnce(const Dataset& data, const Settings& settings) {
+  checkSettings(data, settings);
+  requireWellFormed(data);
+  const SortedDataset sorted(data);
+  checkDataset(*sorted);
+  return fitOfAll(*sorted, started(settings), {});
+}
 
 Result calibrate(const Dataset& data, const Settings& settings, const Progress& progress) {
   checkSettings(data, settings);

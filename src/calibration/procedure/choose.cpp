@@ -1,9 +1,28 @@
 #include "slom/calibration/choose.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 namespace slom::calibration {
 namespace {
+
+/// Returns about 300 images of a longer recording, spread evenly. Neighbouring images look alike, so more of them say
+/// little about a model, and comparing with all takes many minutes.
+Dataset forComparison(const Dataset& data) {
+  constexpr std::size_t enough = 300;
+  const std::vector<int> images = data.images();
+  if (images.size() <= 2 * enough) return data;
+  constexpr double golden =
+      0.6180339887498949;  // steps that fall on no pattern, such as cameras that take turns
+  const double part = double(enough) / double(images.size());
+  std::set<int> kept;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const double place = golden * double(i);
+    if (place - std::floor(place) < part) kept.insert(images[i]);
+  }
+  return data.withImages([&](int image) { return kept.count(image) > 0; });
+}
 
 /// Compares the models. Sets the chosen model in the settings if the choice is open.
 Comparison chooseModel(const Dataset& data, Settings& settings, const std::vector<Model>& models,
@@ -28,16 +47,17 @@ std::vector<Model> modelsForBoard(const Settings& settings, std::vector<Model> m
 
 Result calibrateByChoice(const Dataset& data, Settings& settings, const Choices& choices,
                          const ChoiceProgress& progress) {
+  const Dataset compared = choices.models.empty() && !choices.board_shape ? Dataset() : forComparison(data);
   std::optional<Comparison> comparison, board_comparison;
   if (!choices.models.empty())
-    comparison = chooseModel(data, settings, choices.models, choices.model, progress);
+    comparison = chooseModel(compared, settings, choices.models, choices.model, progress);
   if (choices.board_shape) {
-    board_comparison = compareBoardShapes(data, settings);
+    board_comparison = compareBoardShapes(compared, settings);
     if (board_comparison->chosen) settings.board_shape = board_comparison->chosenTrial().board_shape;
     if (progress.board_shapes) progress.board_shapes(*board_comparison);
     const std::vector<Model> models = modelsForBoard(settings, choices.models);
     if (settings.board_shape != BoardShape::flat && choices.models.size() > 1 && models.size() > 1)
-      comparison = chooseModel(data, settings, models, choices.model, progress);
+      comparison = chooseModel(compared, settings, models, choices.model, progress);
   }
   if (progress.before_fit) progress.before_fit(settings);
   Result result = calibrate(data, settings, progress.fit);

@@ -6,10 +6,6 @@
 #include <memory>
 #include <utility>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Geometry>
-
-#include "calibration/cross_matrix.hpp"
 #include "calibration/data/check.hpp"
 #include "calibration/data/rejected.hpp"
 #include "calibration/fit/model_fit.hpp"
@@ -28,47 +24,8 @@ constexpr double usual_ratios[] = {0.5, 2, 0.25, 4, 0.75, 4. / 3, 2. / 3, 1.5, 1
 constexpr double fits_like_others = 1.15;  // RMS over the usual one, which is known to a tenth
 constexpr double fits_hardly = 1.4;        // likewise, with a lens fitted to a part of the images
 constexpr double least_gain = 30;          // of chi-square
-
-/// Returns the RMS distance of the corners from their pixels for the best pose of the view, from a start [px]. Uses
-/// Gauss-Newton with step control. An Estimator for each pose executes four times as many instructions, in every good
-/// calibration.
-double rmsOfBestPose(const Lens& lens, const View& view, double pixel_scale, SE3 world2camera, Look look) {
-  const int steps = look == Look::quick ? 12 : 40;
-  const double tolerance = look == Look::quick ? 1e-3 : 1e-9;
-  const auto squares = [&](const SE3& pose) {
-    double sum = 0;
-    for (const Corner& corner : view.corners)
-      sum += (lens.project(vec3(pose * corner.world)) - vec2(pixel_scale * corner.pixel)).squaredNorm();
-    return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
-  };
-  double least = squares(world2camera), damping = 1e-4;
-  for (int step = 0; step < steps && std::isfinite(least); ++step) {
-    Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();
-    Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
-    for (const Corner& corner : view.corners) {
-      const vec3 point(world2camera * corner.world);
-      const Lens::PointProjection at = lens.differentiate(point);
-      const Eigen::Vector2d e = at.pixel - vec2(pixel_scale * corner.pixel);
-      Eigen::Matrix<double, 2, 6> J;
-      J << at.by_point, -at.by_point * crossMatrix(point);
-      H += J.transpose() * J, g += J.transpose() * e;
-    }
-    H.diagonal() *= 1 + damping;
-    const Eigen::Matrix<double, 6, 1> d = -H.ldlt().solve(g);
-    const SO3 turn = SO3::exp(vec3(Eigen::Vector3d(d.tail<3>())));
-    const SE3 next(turn * world2camera.orient,
-                   vec3(turn * world2camera.pos + vec3(Eigen::Vector3d(d.head<3>()))));
-    const double sum = squares(next);
-    if (sum < least) {
-      const bool is_done = least - sum < tolerance * least;
-      world2camera = next, least = sum, damping = std::max(1e-9, damping / 10);
-      if (is_done) break;
-    } else if ((damping *= 10) > 1e6) {
-      break;
-    }
-  }
-  return std::sqrt(least / double(view.corners.size()));
-}
+constexpr std::size_t most_compared =
+    80;  // images, each with a fit of the others; a fit of more hardly follows one
 
 }  // namespace
 
@@ -87,9 +44,8 @@ double rmsOfBestPose(const Result& result, std::size_t c, const View& view, doub
   for (std::size_t i = 0; look == Look::careful && i < result.images.size(); i += step)
     starts.push_back(camera.left2camera * result.images[i].left2world.inverse());
   double least = std::numeric_limits<double>::infinity();
-  for (const SE3& start : starts)
-    least = std::min(least, rmsOfBestPose(lens, view, pixel_scale, start, look));
-  return least / pixel_scale;
+  for (const SE3& start : starts) least = std::min(least, fittedPose(lens, scaled, start, look).square);
+  return std::sqrt(least / double(view.corners.size())) / pixel_scale;
 }
 
 std::size_t indexOf(const Result& result, const std::string& camera) {
@@ -121,10 +77,46 @@ std::optional<ImageScale> scaleOf(const Result& result, std::size_t c, const Vie
   return best;
 }
 
+namespace {
+
+/// Returns views of images of another size among those that fit worse than the others of their camera. The first needs
+/// more evidence than those after it; if the worst views are none, does not look at the rest.
+std::vector<Stray> badViewsOfAnotherSize(const Dataset& data, const Result& result, bool is_first) {
+  const double worse = is_first ? 2 : fits_hardly;  // RMS over the usual one
+  const double better = is_first ? 0.4 : 1;         // RMS at another size over the RMS at that of the others
+  constexpr std::size_t first_looked = 20;
+  std::vector<Stray> found;
+  for (std::size_t c = 0; c < data.cameras.size(); ++c) {
+    const std::string& name = data.cameras[c].name;
+    const double usual = usualRms(result, c);
+    std::vector<Stray> bad;
+    for (const ImageResult& image : result.images) {
+      if (image.rms_px[c] && *image.rms_px[c] > worse * usual)
+        bad.push_back({name, image.image, *image.rms_px[c], {}, true});
+    }
+    std::stable_sort(bad.begin(), bad.end(),
+                     [](const Stray& a, const Stray& b) { return a.error_px > b.error_px; });
+    for (std::size_t i = 0; i < bad.size() && (i < first_looked || !is_first || !found.empty()); ++i) {
+      const View* const view = data.cameras[c].find(bad[i].image);
+      if (!view) continue;
+      const auto scale = scaleOf(result, c, *view, found.empty() ? 1 : found.back().size, Look::quick);
+      if (!scale || scale->rms_px > fits_like_others * std::max(1., scale->size) * usual ||
+          scale->rms_px > better * rmsOfBestPose(result, c, *view, 1, Look::quick))
+        continue;
+      found.push_back(std::move(bad[i]));
+      found.back().photo = view->photo, found.back().size = scale->size;
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
 bool maybeOfAnotherSize(const Dataset& data, const Settings& settings, const Result& result) {
-  constexpr std::size_t folds = 5, most_images = 80;
+  constexpr std::size_t folds = 5;
   const std::vector<int> images = data.images();
-  if (images.size() < folds + 1 || images.size() > most_images) return false;
+  if (images.size() < folds + 1) return false;
+  if (images.size() > most_compared) return true;
   for (std::size_t fold = 0; fold < folds; ++fold) {
     if (!reasonToEnd(settings.limits).empty()) return false;
     const auto isHeldOut = [&](int image) {
@@ -219,8 +211,35 @@ double gainOfScaling(Dataset data, const Settings& settings, const Result& with_
   }
 }
 
+namespace {
+
+/// Repeats after a fit without the views found, because the fit with them follows the others a little.
+std::vector<Stray> viewsOfAnotherSizeAmongMany(Dataset data, const Settings& settings, const Result& result,
+                                               bool is_first,
+                                               const std::function<bool(const Dataset&)>& is_enough) {
+  std::vector<Stray> found;
+  Result current = result;
+  data.imu.reset();
+  while (reasonToEnd(settings.limits).empty()) {
+    const std::vector<Stray> bad = badViewsOfAnotherSize(data, current, is_first && found.empty());
+    data = withoutViews(data, bad);
+    if (bad.empty() || !is_enough(data)) break;
+    found.insert(found.end(), bad.begin(), bad.end());
+    try {
+      current = calibrateModelFrom(current, data, settings);
+    } catch (const slom::Error&) {
+      break;
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
 std::vector<Stray> viewsOfAnotherSize(Dataset data, const Settings& settings, const Result& result,
-                                      const std::function<bool(const Dataset&)>& is_enough) {
+                                      bool is_first, const std::function<bool(const Dataset&)>& is_enough) {
+  if (data.images().size() > most_compared)
+    return viewsOfAnotherSizeAmongMany(std::move(data), settings, result, is_first, is_enough);
   const Dataset all = data;
   std::vector<Stray> found;
   Result current = result;

@@ -56,6 +56,10 @@ std::vector<ViewRms> viewsByRms(const Result& result) {
   return views;
 }
 
+bool isBadView(const ViewRms& one, const Settings& settings) {
+  return one.view.error_px > explainedPx(settings) && one.over_median > much_worse_view;
+}
+
 std::size_t countViews(const Dataset& data) {
   std::size_t count = 0;
   for (const CameraData& camera : data.cameras) count += camera.views.size();
@@ -145,7 +149,8 @@ void addScaledViews(const Dataset& data, const Settings& settings, const Fit& fi
       std::any_of(strays.begin(), strays.end(), [](const Stray& stray) { return stray.size != 1; });
   if (!has_scaled) return;
   const auto isEnough = [&](const Dataset& rest) { return suffices(rest, data); };
-  const std::vector<Stray> more = viewsOfAnotherSize(withoutViews(data, strays), settings, without, isEnough);
+  const std::vector<Stray> more =
+      viewsOfAnotherSize(withoutViews(data, strays), settings, without, false, isEnough);
   if (more.empty()) return;
   std::vector<Stray> all = strays;
   all.insert(all.end(), more.begin(), more.end());
@@ -167,23 +172,32 @@ struct WithoutWorst {
   std::vector<Stray> gone;
 };
 
+/// Returns the views to leave out next: the worst one and, in a long recording, all that make the fit a bad one.
+std::vector<Stray> nextToLeaveOut(const std::vector<ViewRms>& views, const Settings& settings, bool is_long) {
+  std::vector<Stray> next{views.front().view};
+  for (std::size_t i = 1; i < views.size() && is_long && isBadView(views[i], settings); ++i)
+    next.push_back(views[i].view);
+  return next;
+}
+
 /// Leaves out the worst view repeatedly, until the fit is good and the next view changes little.
 std::optional<WithoutWorst> withoutWorst(const Dataset& data, const Settings& settings, const Result& bad) {
   constexpr std::size_t most_tried = 12;
   constexpr double little = 0.8;    // RMS over the RMS with one view more
   constexpr double suspicious = 2;  // RMS of the view over the median of its camera
+  const bool is_long = isLong(data);
   WithoutWorst current{bad, {}};
   std::optional<WithoutWorst> good;
   while (current.gone.size() < std::min(most_tried, countViews(data) / 3)) {
     if (!reasonToEnd(settings.limits).empty()) break;
     const std::vector<ViewRms> views = viewsByRms(current.result);
     if (views.empty() || (good && views.front().over_median < suspicious)) break;
-    current.gone.push_back(views.front().view);
+    for (Stray& next : nextToLeaveOut(views, settings, is_long)) current.gone.push_back(std::move(next));
     Dataset rest = withoutViews(data, current.gone);
     if (!suffices(rest, data)) break;
     rest.imu.reset();
     try {
-      current.result = calibrateModelFrom(current.result, rest, settings);
+      current.result = calibrateModelFrom(current.result, rest, settings, rough_deviations);
     } catch (const slom::Error&) {
       break;
     }
@@ -192,6 +206,17 @@ std::optional<WithoutWorst> withoutWorst(const Dataset& data, const Settings& se
     good = current;
   }
   return good;
+}
+
+/// Returns whether a fit without the views, which starts from the bad one, is much better. Only for long recordings, in
+/// which the bad fit is a good start; then a fit from the beginning is worth its time.
+bool mayBeBetter(const Dataset& data, const std::vector<Stray>& suspects, const Settings& settings,
+                 const Result* bad) {
+  if (!isLong(data) || !bad || !bad->success() || !bad->strays.empty() || data.imu) return true;
+  const Dataset rest = withoutRejected(withoutViews(data, suspects), *bad);
+  const std::optional<Result> quick = fitted(
+      [&](const Dataset& some) { return calibrateModelFrom(*bad, some, settings, rough_deviations); }, rest);
+  return quick && isBetter(*quick, bad, settings);
 }
 
 }  // namespace
@@ -203,7 +228,7 @@ std::optional<Result> withoutScaledViews(const Dataset& data, const Settings& se
   used.imu.reset();
   if (!maybeOfAnotherSize(used, settings, good)) return {};
   const auto isEnough = [&](const Dataset& rest) { return suffices(rest, used); };
-  const std::vector<Stray> scaled = viewsOfAnotherSize(used, settings, good, isEnough);
+  const std::vector<Stray> scaled = viewsOfAnotherSize(used, settings, good, true, isEnough);
   if (scaled.empty() || gainOfScaling(used, settings, good, scaled) < least_gain) return {};
   std::optional<Result> without = fitted(fit, withoutViews(data, scaled));
   if (!without || !without->success() || !without->strays.empty()) return {};
@@ -230,19 +255,18 @@ std::optional<Result> withoutViewsToScale(const Dataset& data, const Settings& s
 
 bool isBadFit(const Result& result, const Settings& settings) {
   if (!result.success()) return true;
-  const double explained = explainedPx(settings);
-  if (rmsOfAll(result) > explained) return true;
+  if (rmsOfAll(result) > explainedPx(settings)) return true;
   const std::vector<ViewRms> views = viewsByRms(result);
-  return std::any_of(views.begin(), views.end(), [&](const ViewRms& one) {
-    return one.view.error_px > explained && one.over_median > much_worse_view;
-  });
+  return std::any_of(views.begin(), views.end(),
+                     [&](const ViewRms& one) { return isBadView(one, settings); });
 }
 
 std::optional<Result> withoutStrayViews(const Dataset& data, const Settings& settings, const Result* bad,
                                         const Fit& fit) {
   std::vector<Stray> suspects = viewsThatDisagree(data, settings);
   std::optional<Result> without;
-  if (const Dataset rest = withoutViews(data, suspects); !suspects.empty() && suffices(rest, data)) {
+  if (const Dataset rest = withoutViews(data, suspects);
+      !suspects.empty() && suffices(rest, data) && mayBeBetter(data, suspects, settings, bad)) {
     without = fitted(fit, rest);
     if (without && !isBetter(*without, bad, settings)) without.reset();
   }
@@ -254,6 +278,7 @@ std::optional<Result> withoutStrayViews(const Dataset& data, const Settings& set
     auto found = withoutWorst(data, settings, *bad);
     if (!found) return {};
     suspects = std::move(found->gone);
+    if (isLong(data) && judged(suspects, data, found->result).empty()) return {};
     without = fitted(fit, withoutViews(data, suspects));
     if (without && !isBetter(*without, bad, settings)) without.reset();
   }

@@ -8,19 +8,50 @@
 #include <fmt/ranges.h>
 
 #include "calibration/median.hpp"
+#include "calibration/streams/doubt.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
 namespace {
 
+constexpr double gravity_m_s2 = 9.81;
+
+/// Magnitudes of the readings of one sensor: their median, and the median distance from it.
+struct Magnitudes {
+  double median = 0, spread = 0;
+  /// Takes the magnitudes of all readings.
+  template <class Value>
+  Magnitudes(const ImuStream& imu, const Value& value) {
+    std::vector<double> all;
+    for (const ImuSample& sample : imu.samples) all.push_back(value(sample).norm());
+    median = medianOf(all);
+    for (double& one : all) one = std::abs(one - median);
+    spread = medianOf(std::move(all));
+  }
+};
+
+/// Refuses specific forces in place of angular velocities: their magnitude is that of gravity, and varies much less than
+/// that of angular velocities does.
+void requireRatesFirst(const ImuStream& imu) {
+  constexpr double near = 1.2, steadier = 3;
+  const Magnitudes first(imu, [](const ImuSample& s) { return s.gyro; }),
+      last(imu, [](const ImuSample& s) { return s.force; });
+  if (!(first.median > gravity_m_s2 / near && first.median < gravity_m_s2 * near)) return;
+  if (!(steadier * first.spread / first.median < last.spread / last.median)) return;
+  badStream(
+      imu,
+      fmt::format("the first three readings have a magnitude of {:.3g} in the median, that of gravity, as if "
+                  "accelerometer and gyroscope were exchanged",
+                  first.median),
+      "give the angular velocities first, and the specific forces after them");
+}
+
 /// Refuses forces in units of gravity or thousandths of it: their median magnitude is then far from 9.8.
 void requireForcesInUnits(const ImuStream& imu) {
-  constexpr double gravity = 9.81, spread = 1.5;
-  std::vector<double> magnitudes;
-  for (const ImuSample& sample : imu.samples) magnitudes.push_back(sample.force.norm());
-  const double median = medianOf(magnitudes);
+  constexpr double spread = 1.5;
+  const double median = Magnitudes(imu, [](const ImuSample& s) { return s.force; }).median;
   const auto isNear = [&](double value) { return median > value / spread && median < value * spread; };
-  if (isNear(gravity)) return;
+  if (isNear(gravity_m_s2)) return;
   const std::string fault =
       fmt::format("the specific forces have a magnitude of {:.3g} in the median", median);
   if (isNear(1)) badStream(imu, fault + ", as if they were in units of gravity", "multiply them by 9.80665");
@@ -52,6 +83,15 @@ void badStream(const ImuStream& imu, const std::string& fault, const std::string
   throw DataError("slom.calibration.bad-stream", {.place = nameOf(imu), .fault = fault, .remedy = remedy});
 }
 
+void requireTime(const CameraData& camera, const View& view) {
+  if (view.time_ns) return;
+  throw DataError(
+      "slom.calibration.bad-stream",
+      {.place = nameOf(camera),
+       .fault = fmt::format("image {} has no time", view.image),
+       .remedy = "give corner files with a column t_ns, or photographs whose names are times in ns"});
+}
+
 void requireGoodStream(const ImuStream& imu) {
   if (imu.samples.size() < 2) badStream(imu, "there are fewer than two readings", "give a recording");
   for (std::size_t i = 0; i < imu.samples.size(); ++i) {
@@ -72,6 +112,7 @@ void requireGoodStream(const ImuStream& imu) {
                   "give a positive number");
     }
   }
+  requireRatesFirst(imu);
   requireForcesInUnits(imu);
 }
 
@@ -89,14 +130,13 @@ std::vector<std::pair<double, double>> gapsOf(const ImuStream& imu) {
   return gaps;
 }
 
-std::vector<std::string> notesOf(const ImuStream& imu) {
-  std::vector<std::string> notes;
+void noteFaults(const ImuStream& imu, StreamResult& result) {
   const auto gaps = gapsOf(imu);
   if (!gaps.empty()) {
     const auto longest = *std::max_element(gaps.begin(), gaps.end(), [](const auto& a, const auto& b) {
       return a.second - a.first < b.second - b.first;
     });
-    notes.push_back(fmt::format(
+    result.notes.push_back(fmt::format(
         "{}: readings are missing {}, for up to {:.3g} s, {:.3f} s after the first reading; pairs of images around the "
         "gap are not used.",
         nameOf(imu), gaps.size() == 1 ? "once" : fmt::format("{} times", gaps.size()),
@@ -107,13 +147,13 @@ std::vector<std::string> notesOf(const ImuStream& imu) {
     const std::size_t force = saturated(imu, [&](const ImuSample& s) { return s.force[axis]; });
     for (const auto& [count, what] : {std::pair(gyro, "gyroscope"), {force, "accelerometer"}}) {
       if (count > 0)
-        notes.push_back(fmt::format(
-            "{}: {} readings of the {}'s {} axis stay at its largest magnitude, as if the sensor were saturated; use a "
-            "larger range, or move less quickly.",
-            nameOf(imu), count, what, "xyz"[axis]));
+        addDoubt(
+            fmt::format(
+                "{} readings of the {}'s {} axis in {} stay at its largest magnitude, as if the sensor were saturated",
+                count, what, "xyz"[axis], nameOf(imu)),
+            "use a larger range, or move less quickly.", result);
     }
   }
-  return notes;
 }
 
 }  // namespace slom::calibration

@@ -57,7 +57,7 @@ std::vector<ForceAtImage> forcesAtImages(const ImuStream& imu, const std::vector
 
 /// Returns how far readings in other axes are from the motion, as root mean square, with the gravity and bias that fit
 /// best [m/s^2].
-double misfit(const std::vector<ForceAtImage>& forces, const Eigen::Matrix3d& axes) {
+double misfitOfForces(const std::vector<ForceAtImage>& forces, const Eigen::Matrix3d& axes) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   Matrix6 N = Matrix6::Zero();
@@ -95,7 +95,7 @@ void requireForcesOfMotion(const ImuStream& imu, const std::vector<RigAtImage>& 
   constexpr std::size_t fewest = 10;
   const std::vector<ForceAtImage> forces = forcesAtImages(imu, images, start);
   if (forces.size() < fewest) return;
-  const double given = misfit(forces, Eigen::Matrix3d::Identity());
+  const double given = misfitOfForces(forces, Eigen::Matrix3d::Identity());
   double least = given;
   Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
   int order[3] = {0, 1, 2};
@@ -103,7 +103,7 @@ void requireForcesOfMotion(const ImuStream& imu, const std::vector<RigAtImage>& 
     for (int signs = 0; signs < 8; ++signs) {
       Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
       for (int row = 0; row < 3; ++row) axes(row, order[row]) = (signs >> row & 1) ? -1 : 1;
-      const double rms = misfit(forces, axes);
+      const double rms = misfitOfForces(forces, axes);
       if (rms < least) least = rms, best = axes;
     }
   } while (std::next_permutation(order, order + 3));
@@ -114,7 +114,7 @@ void requireForcesOfMotion(const ImuStream& imu, const std::vector<RigAtImage>& 
           "the specific forces fit the motion of the cameras if {} are their axes: {:.2g} m/s^2 off instead of "
           "{:.2g}",
           textOf(best), least, given),
-      "give them in the axes of the angular velocities, upwards at rest");
+      "give forces and angular velocities in the same axes, and forces that point upwards at rest");
 }
 
 }  // namespace slom::calibration

@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "calibration/fit/seen_board.hpp"
 #include "calibration/streams/problem.hpp"
 
 namespace slom::calibration {
@@ -23,18 +22,21 @@ double limited(double ratio) { return std::isfinite(ratio) ? std::clamp(ratio, 0
 /// Returns what a fit leaves of the residuals of a typical interval: the expected squares of the rotation, and of velocity
 /// and position, each whitened.
 std::pair<double, double> StreamProblem::expectedSquares(const Imu& imu) const {
-  constexpr std::size_t most =
-      24;  // intervals, spread evenly; each needs the joint covariance of its variables
+  constexpr std::size_t most = 200;  // intervals, spread evenly
   double gyro = 0, force = 0, count = 0;
+  est_.marginals();  // the inverse by blocks, from which joint covariances are read
   const std::size_t step = std::max<std::size_t>(1, imu.intervals.size() / most);
   for (std::size_t k = step / 2; k < imu.intervals.size(); k += step) {
     const Interval& one = imu.intervals[k];
     const std::size_t i = one.first;
-    const auto predicted = est_.propagate(
-        ImuBetweenImages(imu.samples, images_[i].time, images_[i + 1].time, gravity_),
-        rig_.poses().at(images_[i].image), imu.velocities[i], imu.gyro_biases[k], imu.force_biases[k],
-        rig_.poses().at(images_[i + 1].image), imu.velocities[i + 1], imu.left2imu, imu.offset, up_);
-    const PreintegratedImu::Covariance9 absorbed = predicted.covariance;
+    const PreintegratedImu::Covariance9 absorbed = imu.axes.with([&](const auto&... axes) {
+      const auto predicted =
+          est_.propagate(ImuBetweenImages(imu.samples, images_[i].time, images_[i + 1].time, gravity_),
+                         left2world_.at(images_[i].image), imu.velocities[i], imu.gyro_biases[k],
+                         imu.force_biases[k], left2world_.at(images_[i + 1].image), imu.velocities[i + 1],
+                         imu.left2imu, imu.offset, up_, board_scale_, axes...);
+      return PreintegratedImu::Covariance9(predicted.covariance);
+    });
     gyro += 3 - one.turnNoise().llt().solve(absorbed.topLeftCorner<3, 3>()).trace();
     force += 6 - one.pushNoise().llt().solve(absorbed.bottomRightCorner<6, 6>()).trace();
     ++count;
@@ -53,52 +55,25 @@ StreamProblem::Ratios StreamProblem::ratiosOf(const Imu& imu) const {
   return {std::sqrt(gyro / gyro_expected), std::sqrt(force / force_expected)};
 }
 
-double StreamProblem::imageRatio() const {
-  constexpr std::size_t most =
-      24;  // images, spread evenly, that need the joint covariance of their variables
-  const std::size_t step = std::max<std::size_t>(1, images_.size() / most);
-  const CamerasStart now = cameras();
-  double squares = 0, expected = 0, count = 0;
-  for (std::size_t i = 0; i < images_.size(); ++i) {
-    const PullOfImage image = pullOf(images_[i].image, now);
-    const Eigen::Matrix<double, 6, 6> H = image.by_variables.leftCols<6>();
-    squares += squaredIn<6>(H, image.gradient) / double(images_.size());
-    if (i % step != step / 2) continue;
-    std::vector<AnyVarID> variables{rig_.poses().at(images_[i].image)};
-    for (const auto& lens : rig_.lenses()) variables.push_back(lens);
-    for (const auto& pose : rig_.camerasOnRig()) variables.push_back(pose);
-    const Eigen::Matrix<double, 6, 6> absorbed =
-        image.by_variables * est_.jointCovariance(variables) * image.by_variables.transpose();
-    expected += 6 - H.llt().solve(absorbed).trace();
-    ++count;
-  }
-  return std::sqrt(squares / (expected / count));
+double StreamProblem::timeBetween(const Imu& imu, std::size_t k) const {
+  const Interval &a = imu.intervals[k - 1], &b = imu.intervals[k];
+  return images_[b.first].time + b.duration / 2 - images_[a.first].time - a.duration / 2;
 }
 
-/// Adds up the corners of an image.
-StreamProblem::PullOfImage StreamProblem::pullOf(int image, const CamerasStart& now) const {
-  const auto& [lenses, rig] = now;
-  Eigen::Index columns = 6 * Eigen::Index(lenses.size());
-  for (const Lens& lens : lenses) columns += lens.parameters();
-  PullOfImage pull{Eigen::MatrixXd::Zero(6, columns), Eigen::Matrix<double, 6, 1>::Zero()};
-  Eigen::Index by_lens = 6, by_camera = columns - 6 * Eigen::Index(lenses.size() - 1);
-  for (std::size_t c = 0; c < lenses.size(); ++c) {
-    if (const View* const view = data_.cameras[c].find(image)) {
-      const SeenBoard board(lenses[c], rig.left2camera[c], rig.left2world.at(image));
-      for (const Corner& corner : view->corners) {
-        const SeenBoard::Rows rows = board.rowsOf(corner.world);
-        const double weight = 1 / std::pow(settings_.sigma_px * corner.sigma, 2);
-        const Eigen::Matrix<double, 6, 2> weighted = weight * rows.byLeft2World().transpose();
-        pull.gradient += weighted * (rows.pixel() - corner.pixel);
-        pull.by_variables.leftCols<6>() += weighted * rows.byLeft2World();
-        pull.by_variables.middleCols(by_lens, lenses[c].parameters()) += weighted * rows.seen.by_parameters;
-        if (c > 0) pull.by_variables.middleCols<6>(by_camera) += weighted * rows.byLeft2Camera();
-      }
-    }
-    by_lens += lenses[c].parameters();
-    if (c > 0) by_camera += 6;
+double StreamProblem::imageRatio() const {
+  double squares = 0, expected = 0;
+  est_.marginals();  // the inverse by blocks, from which joint covariances are read
+  for (const auto& [image, seen] : seen_) {
+    if (seen.R.rows() < 6) continue;
+    const Eigen::MatrixXd by_variables = seen.R.leftCols<6>().transpose() * seen.R;
+    const Eigen::Matrix<double, 6, 6> H = by_variables.leftCols<6>();
+    const Eigen::Matrix<double, 6, 1> gradient = seen.R.leftCols<6>().transpose() * est_.residual(seen.id);
+    const Eigen::Matrix<double, 6, 6> absorbed =
+        by_variables * est_.jointCovariance(seen.variables) * by_variables.transpose();
+    squares += squaredIn<6>(H, gradient);
+    expected += 6 - H.llt().solve(absorbed).trace();
   }
-  return pull;
+  return std::sqrt(squares / expected);
 }
 
 }  // namespace slom::calibration

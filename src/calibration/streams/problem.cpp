@@ -2,16 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
+#include <utility>
 
-#include <Eigen/Eigenvalues>
-#include <fmt/format.h>
-
+#include "calibration/fit/lens_constraints.hpp"
+#include "calibration/fit/rig.hpp"
+#include "calibration/limits.hpp"
+#include "calibration/median.hpp"
 #include "calibration/models/lens.hpp"
-#include "calibration/rotation_vector.hpp"
+#include "calibration/streams/bias_jumps.hpp"
 #include "calibration/streams/check.hpp"
+#include "calibration/streams/determined.hpp"
+#include "calibration/streams/excitation.hpp"
+#include "calibration/streams/mean_bias.hpp"
+#include "calibration/streams/rest.hpp"
 #include "slom/calibration/error.hpp"
+#include "slom/measurements/gaussian_prior.hpp"
 
 namespace slom::calibration {
 namespace {
@@ -25,36 +31,9 @@ std::int64_t blockLength(std::size_t images) {
 
 constexpr double least_density = 1e-7;  ///< of noise that is estimated
 
-/// Returns a sentence on the direction in which the pose of an IMU is hardly determined, or nothing. `covariance`: of
-/// left2imu.
-std::string openDirectionOf(const std::string& name, const Eigen::MatrixXd& covariance) {
-  constexpr double most = 0.1;  // m and rad: what a ruler finds
-  const auto sentence = [&](const char* what, int first, double unit, const char* unit_name,
-                            const char* frame) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance.block<3, 3>(first, first));
-    const double std = std::sqrt(std::max(0., axes.eigenvalues()[2]));
-    if (std < most) return std::string();
-    Eigen::Vector3d axis = axes.eigenvectors().col(2);
-    if (axis.sum() < 0) axis = -axis;
-    return fmt::format(
-        "{} of {} {} ({:.2f}, {:.2f}, {:.2f}) in the axes of {} is known to {:.2g} {} only; turn the rig about all axes, "
-        "quickly",
-        what, name, first == 0 ? "along" : "about", axis[0], axis[1], axis[2], frame, std * unit, unit_name);
-  };
-  const std::string place = sentence("the position", 0, 1, "m", "the IMU");
-  return place.empty() ? sentence("the orientation", 3, 180 / std::numbers::pi, "deg", "the reference camera")
-                       : place;
-}
-
-/// Removes all standard deviations.
-void forgetDeviations(StreamResult& result) {
-  result.gravity_direction_std = unknown;
-  const vec3 none(unknown, unknown, unknown);
-  for (ImuStreamResult& imu : result.imus) {
-    imu.translation_std = imu.translation_clustered = imu.rotation_std = imu.rotation_clustered = none;
-    imu.rotation_vector_std = imu.rotation_vector_clustered = none;
-    imu.time_offset_std = imu.time_offset_clustered = unknown;
-  }
+vec3 valueAt(const std::map<std::size_t, vec3>& known, std::size_t i, const vec3& otherwise) {
+  const auto found = known.find(i);
+  return found == known.end() ? otherwise : found->second;
 }
 
 vec3 meanOf(const std::vector<VarID<vec3>>& ids) {
@@ -65,27 +44,68 @@ vec3 meanOf(const std::vector<VarID<vec3>>& ids) {
 
 }  // namespace
 
-CamerasStart startOf(const Result& cameras) {
-  CamerasStart start;
-  for (const CameraResult& camera : cameras.cameras) {
-    start.lenses.push_back(lensOf(camera));
-    start.rig.left2camera.push_back(camera.left2camera);
-  }
-  for (const ImageResult& image : cameras.images) start.rig.left2world[image.image] = image.left2world;
-  return start;
+StreamProblem::StreamProblem(const Dataset& data, const CondensedCorners& corners, const Settings& settings,
+                             const CamerasAt& cameras, const std::vector<RigAtImage>& images,
+                             const mtk::S2<>& up, const std::vector<StartedImu>& imus, double gravity,
+                             const Loss& loss)
+    : settings_(settings), images_(images), gravity_(gravity), loss_(loss) {
+  insertCameras(data, cameras);
+  setCorners(corners);
+  up_ = est_.insertRV(up, true, "up");
+  board_scale_ = est_.insertRV(mtk::Scalar<>(1), false, "board_scale");
+  for (const StartedImu& imu : imus) insert(imu);
 }
 
-StreamProblem::StreamProblem(const Dataset& data, const Settings& settings, const CamerasStart& cameras,
-                             const std::vector<RigAtImage>& images, const mtk::S2<>& up,
-                             const std::vector<StartedImu>& imus, double gravity)
-    : data_(data),
-      settings_(settings),
-      images_(images),
-      gravity_(gravity),
-      rig_(data, settings, cameras.lenses, cameras.rig, {}),
-      est_(rig_.estimator()) {
-  up_ = est_.insertRV(up, true, "up");
-  for (const StartedImu& imu : imus) insert(imu);
+void StreamProblem::insertCameras(const Dataset& data, const CamerasAt& cameras) {
+  const std::string reference = data.cameras.front().name;
+  for (std::size_t c = 0; c < cameras.lenses.size(); ++c) {
+    const std::string& name = data.cameras[c].name;
+    lenses_.push_back(est_.insertRV(constrained(cameras.lenses[c], name, settings_), true, name));
+    constrain(est_, lenses_.back(), name, settings_);
+    if (settings_.sigma_denominator) addPrior(est_, lenses_.back(), *settings_.sigma_denominator);
+    left2camera_.push_back(c == 0 ? VarID<SE3>()
+                                  : est_.insertRV(cameras.rig.left2camera[c], true, reference + "2" + name));
+  }
+  for (const auto& [image, pose] : cameras.rig.left2world) {
+    left2world_.emplace(image,
+                        est_.insertRV(pose, true, reference + "2world[" + std::to_string(image) + "]"));
+  }
+}
+
+void StreamProblem::setCorners(const CondensedCorners& all) {
+  for (const auto& [image, seen] : seen_) est_.removeMeasurement(seen.id);
+  corners_ = all.corners;
+  const CamerasAt& point = all.point;
+  for (const auto& [image, corners] : all.images) {
+    Seen seen{{left2world_.at(image)}, corners.R / settings_.sigma_px, {}};
+    for (const std::size_t c : corners.cameras) seen.variables.push_back(lenses_[c]);
+    for (const std::size_t c : corners.cameras) {
+      if (c > 0) seen.variables.push_back(left2camera_[c]);
+    }
+    GaussianPrior prior(seen.variables, seen.R, corners.b / settings_.sigma_px);
+    prior.linearizedAt(left2world_.at(image), point.rig.left2world.at(image));
+    for (const std::size_t c : corners.cameras) {
+      prior.linearizedAt(lenses_[c], point.lenses[c]);
+      if (c > 0) prior.linearizedAt(left2camera_[c], point.rig.left2camera[c]);
+    }
+    seen.id = est_.insertMeasurement(std::move(prior), group("image", image));
+    seen_[image] = std::move(seen);
+  }
+}
+
+Summary StreamProblem::optimize(const Options& options) {
+  Summary summary = est_.optimize(options);
+  nameLimit(settings_.limits, summary);
+  return summary;
+}
+
+CamerasAt StreamProblem::cameras() const {
+  CamerasAt now;
+  for (const auto& id : lenses_) now.lenses.push_back(*id);
+  for (std::size_t c = 0; c < left2camera_.size(); ++c)
+    now.rig.left2camera.push_back(c == 0 ? SE3() : *left2camera_[c]);
+  for (const auto& [image, id] : left2world_) now.rig.left2world[image] = *id;
+  return now;
 }
 
 void StreamProblem::insert(const StartedImu& started) {
@@ -93,9 +113,11 @@ void StreamProblem::insert(const StartedImu& started) {
   Imu& imu = imus_.emplace_back();
   imu.stream = started.stream;
   imu.noise = started.noise;
+  imu.jumps = started.jumps;
   imu.samples = ImuSamples(started.stream->samples);
   imu.left2imu = est_.insertRV(started.left2imu, true, name + ".pose");
   imu.offset = est_.insertRV(mtk::Scalar<>(started.start.offset), true, name + ".time_offset");
+  imu.axes.insert(est_, started.axes, started.model, name);
   insertIntervals(imu, started);
   insertWalk(imu, started.noise);
   if (imu.intervals.empty())
@@ -105,14 +127,18 @@ void StreamProblem::insert(const StartedImu& started) {
                      .remedy = "give images and readings of the same motion"});
 }
 
+ImuModel<> StreamProblem::modelOf(const Imu& imu) {
+  return imu.axes.modelWith(meanOf(imu.gyro_biases), meanOf(imu.force_biases));
+}
+
 void StreamProblem::insertIntervals(Imu& imu, const StartedImu& started) {
   const std::string& name = started.stream->name;
   const std::vector<vec3> velocities = velocitiesOf(images_);
   imu.velocities.resize(images_.size());
   const auto velocity = [&](std::size_t i) {
     if (!imu.velocities[i].isValid())
-      imu.velocities[i] =
-          est_.insertRV(velocities[i], true, name + ".velocity[" + std::to_string(images_[i].image) + "]");
+      imu.velocities[i] = est_.insertRV(valueAt(started.velocities, i, velocities[i]), true,
+                                        name + ".velocity[" + std::to_string(images_[i].image) + "]");
     return imu.velocities[i];
   };
   const auto gaps = gapsOf(*started.stream);
@@ -125,16 +151,19 @@ void StreamProblem::insertIntervals(Imu& imu, const StartedImu& started) {
     if (from + shift < imu.samples.begin() || to + shift > imu.samples.end() ||
         hasGap(from + shift, to + shift))
       continue;
-    const PreintegratedImu moved(imu.samples, from + shift, to + shift, started.noise,
-                                 started.start.gyro_bias);
+    const vec3 gyro_bias = valueAt(started.gyro_biases, i, started.start.gyro_bias),
+               force_bias = valueAt(started.force_biases, i, started.force_bias);
+    const PreintegratedImu moved(imu.samples, from + shift, to + shift, started.noise, gyro_bias, force_bias);
     const std::string place = "[" + std::to_string(images_[i].image) + "]";
-    imu.gyro_biases.push_back(est_.insertRV(started.start.gyro_bias, true, name + ".gyro_bias" + place));
-    imu.force_biases.push_back(est_.insertRV(started.force_bias, true, name + ".acc_bias" + place));
-    const auto id = est_.insertMeasurement(
-        ImuBetweenImages(imu.samples, from, to, gravity_), rig_.poses().at(images_[i].image), velocity(i),
-        imu.gyro_biases.back(), imu.force_biases.back(), rig_.poses().at(images_[i + 1].image),
-        velocity(i + 1), imu.left2imu, imu.offset, up_, Covariance(moved.covariance()),
-        group("image", images_[i].image));
+    imu.gyro_biases.push_back(est_.insertRV(gyro_bias, true, name + ".gyro_bias" + place));
+    imu.force_biases.push_back(est_.insertRV(force_bias, true, name + ".acc_bias" + place));
+    const AnyMeasID id = imu.axes.with([&](const auto&... axes) -> AnyMeasID {
+      return est_.insertMeasurement(ImuBetweenImages(imu.samples, from, to, gravity_),
+                                    left2world_.at(images_[i].image), velocity(i), imu.gyro_biases.back(),
+                                    imu.force_biases.back(), left2world_.at(images_[i + 1].image),
+                                    velocity(i + 1), imu.left2imu, imu.offset, up_, board_scale_, axes...,
+                                    Covariance(moved.covariance()), group("image", images_[i].image), loss_);
+    });
     imu.intervals.push_back({i, to - from, moved.covariance(), id});
   }
 }
@@ -142,29 +171,69 @@ void StreamProblem::insertIntervals(Imu& imu, const StartedImu& started) {
 void StreamProblem::insertWalk(Imu& imu, const ImuNoise& noise) {
   const auto step = [](const auto& before, const auto& after) { return after - before; };
   for (std::size_t k = 1; k < imu.intervals.size(); ++k) {
-    const Interval &a = imu.intervals[k - 1], &b = imu.intervals[k];
-    const double time = images_[b.first].time + b.duration / 2 - images_[a.first].time - a.duration / 2;
+    const Interval& b = imu.intervals[k];
+    const double to = images_[b.first].time + b.duration / 2 + double(*imu.offset),
+                 from = to - timeBetween(imu, k);
     const Group image = group("image", images_[b.first].image);
-    est_.insertMeasurement(step, imu.gyro_biases[k - 1], imu.gyro_biases[k],
-                           StandardDeviation(noise.gyro_walk * std::sqrt(time)), image);
-    est_.insertMeasurement(step, imu.force_biases[k - 1], imu.force_biases[k],
-                           StandardDeviation(noise.force_walk * std::sqrt(time)), image);
+    const auto insert = [&](const std::vector<VarID<vec3>>& biases, bool is_gyro, double density) {
+      est_.insertMeasurement(step, biases[k - 1], biases[k],
+                             StandardDeviation(incrementDeviation(imu.jumps, is_gyro, density, from, to)),
+                             image);
+    };
+    insert(imu.gyro_biases, true, noise.gyro_walk);
+    insert(imu.force_biases, false, noise.force_walk);
   }
 }
 
-std::vector<StartedImu> StreamProblem::restarted() const {
+std::vector<StartedImu> StreamProblem::started() const {
   std::vector<StartedImu> all;
   for (const Imu& imu : imus_) {
     StartedImu next{
         imu.stream, {double(*imu.offset), imu.left2imu->orient, meanOf(imu.gyro_biases)}, imu.noise};
     next.left2imu = *imu.left2imu;
     next.force_bias = meanOf(imu.force_biases);
-    if (!imu.stream->noise) {
-      const Ratios ratios = ratiosOf(imu);
-      next.noise.gyro = std::max(least_density, next.noise.gyro * limited(ratios.gyro));
-      next.noise.force = std::max(least_density, next.noise.force * limited(ratios.force));
+    next.axes = imu.axes.estimated;
+    next.model = modelOf(imu);
+    next.jumps = imu.jumps;
+    for (std::size_t i = 0; i < imu.velocities.size(); ++i) {
+      if (imu.velocities[i].isValid()) next.velocities.emplace(i, *imu.velocities[i]);
+    }
+    for (std::size_t k = 0; k < imu.intervals.size(); ++k) {
+      next.gyro_biases.emplace(imu.intervals[k].first, *imu.gyro_biases[k]);
+      next.force_biases.emplace(imu.intervals[k].first, *imu.force_biases[k]);
     }
     all.push_back(next);
+  }
+  return all;
+}
+
+std::vector<StartedImu> StreamProblem::restarted() const {
+  std::vector<StartedImu> all = started();
+  for (std::size_t i = 0; i < imus_.size(); ++i) {
+    if (imus_[i].stream->noise) continue;
+    const Ratios ratios = ratiosOf(imus_[i]);
+    ImuNoise& noise = all[i].noise;
+    noise.gyro = std::max(least_density, noise.gyro * limited(ratios.gyro));
+    noise.force = std::max(least_density, noise.force * limited(ratios.force));
+  }
+  return all;
+}
+
+std::vector<std::vector<GrossReadings>> StreamProblem::grossReadings() const {
+  constexpr double much = 10;
+  constexpr double components = 9;  // of a residual
+  std::vector<std::vector<GrossReadings>> all;
+  for (const Imu& imu : imus_) {
+    std::vector<double> lengths;
+    for (const Interval& one : imu.intervals) lengths.push_back(est_.whitenedResidual(one.id).norm());
+    const double usual = std::max(medianOf(lengths), std::sqrt(components));
+    std::vector<GrossReadings>& gross = all.emplace_back();
+    for (std::size_t k = 0; k < lengths.size(); ++k) {
+      const double from = images_[imu.intervals[k].first].time + double(*imu.offset);
+      if (lengths[k] > much * usual)
+        gross.push_back({from, from + imu.intervals[k].duration, lengths[k] / usual});
+    }
+    if (10 * gross.size() > lengths.size()) gross.clear();
   }
   return all;
 }
@@ -179,41 +248,55 @@ ImuStreamResult StreamProblem::resultOf(const Imu& imu) const {
                to = images_[imu.intervals.back().first + 1].time + double(*imu.offset);
   result.samples = std::size_t(
       std::count_if(first, last, [&](const ImuSample& s) { return s.time >= from && s.time <= to; }));
+  std::vector<double> spacings;
+  for (auto next = first + 1; next < last; ++next) spacings.push_back(next->time - (next - 1)->time);
+  result.rate = 1 / medianOf(spacings);
   result.left2imu = *imu.left2imu;
   result.time_offset = double(*imu.offset);
   result.gyro_bias = meanOf(imu.gyro_biases);
   result.force_bias = meanOf(imu.force_biases);
+  result.axes.estimated = imu.axes.estimated;
+  result.axes.model = modelOf(imu);
   double gyro = 0, force = 0;
   for (const Interval& one : imu.intervals) {
-    const Eigen::VectorXd r = est_.residual(one.id);
-    gyro += r.head<3>().squaredNorm() / (one.duration * one.duration);
-    force += r.segment<3>(3).squaredNorm() / (one.duration * one.duration);
+    const Eigen::VectorXd r = est_.residual(one.id) / one.duration;
+    gyro += r.head<3>().squaredNorm();
+    force += r.segment<3>(3).squaredNorm();
+    const Eigen::Matrix<double, 9, 1> variances = one.noise.diagonal() / (one.duration * one.duration);
+    result.residuals.push_back({images_[one.first].time, one.duration, vec3(-r.head<3>()),
+                                vec3(-r.segment<3>(3)), std::sqrt(variances.head<3>().mean()),
+                                std::sqrt(variances.segment<3>(3).mean())});
   }
   result.rms_gyro = std::sqrt(gyro / double(imu.intervals.size()));
   result.rms_force = std::sqrt(force / double(imu.intervals.size()));
+  addRest(*imu.stream, result);
   result.noise = imu.noise;
   result.noise_is_given = imu.stream->noise.has_value();
+  result.excitation = excitationOf(*imu.stream, images_, result);
   return result;
 }
 
 StreamResult StreamProblem::result(const Summary& summary) {
-  StreamResult result;
-  result.converged = summary.converged;
-  result.stop_reason = toString(summary.stop_reason);
-  result.message = summary.message;
-  result.iterations = summary.iterations;
-  result.unknowns = std::size_t(summary.unknowns);
-  result.measurements = std::size_t(summary.measurements);
+  StreamResult result = endOf(summary);
+  result.measurements += 2 * corners_;
+  for (const auto& [image, seen] : seen_) result.measurements -= std::size_t(seen.R.rows());
   result.gravity = vec3(up_->vector() * -gravity_);
   for (const Imu& imu : imus_) result.imus.push_back(resultOf(imu));
-  try {
-    addStandardDeviations(result);
-    if (summary.converged && result.undetermined.empty()) addClustered(result);
-  } catch (const slom::Error& error) {
-    result.undetermined = sentenceOf(error);
-  }
-  if (!result.success()) forgetDeviations(result);
+  for (const RigAtImage& image : images_) result.poses.push_back({image.time, *left2world_.at(image.image)});
+  addDeviations([&] { addStandardDeviations(result); }, [&] { addClustered(result); }, result);
   return result;
+}
+
+std::vector<ImuStreamResult> StreamProblem::posesOfImus() const {
+  std::vector<ImuStreamResult> all;
+  for (const Imu& imu : imus_) {
+    ImuStreamResult& one = all.emplace_back();
+    one.left2imu = *imu.left2imu;
+    one.time_offset = double(*imu.offset);
+    one.time_offset_std = est_.standardDeviation(imu.offset)[0];
+    setPoseDeviations(est_.covariance(imu.left2imu), one);
+  }
+  return all;
 }
 
 void StreamProblem::addStandardDeviations(StreamResult& result) {
@@ -222,28 +305,34 @@ void StreamProblem::addStandardDeviations(StreamResult& result) {
     ImuStreamResult& imu = result.imus[i];
     const Eigen::MatrixXd pose = est_.covariance(imus_[i].left2imu);
     if (result.undetermined.empty()) result.undetermined = openDirectionOf(imu.name, pose);
-    imu.translation_std = vec3(pose.diagonal().head<3>().cwiseSqrt());
-    imu.rotation_std = vec3(pose.diagonal().tail<3>().cwiseSqrt());
-    imu.rotation_vector_std = rotationVectorStd(imu.left2imu.orient, pose.bottomRightCorner<3, 3>());
+    setPoseDeviations(pose, imu);
     imu.time_offset_std = est_.standardDeviation(imus_[i].offset)[0];
+    imu.axes.std = imus_[i].axes.ofEach([&](const auto& id) { return est_.standardDeviation(id); });
+    setBiasDeviations(est_, imus_[i].gyro_biases, imus_[i].force_biases, imu.gyro_bias_std,
+                      imu.force_bias_std);
+    for (std::string& sentence : uncertainOf(imu, pose)) result.notes.push_back(std::move(sentence));
     const Ratios ratios = ratiosOf(imus_[i]);
     imu.gyro_ratio = ratios.gyro;
     imu.force_ratio = ratios.force;
   }
 }
 
-void StreamProblem::addClustered(StreamResult& result) {
+Clustered StreamProblem::byBlocks() const {
   ClusterOptions options;
   options.by = {ClusterBy::blocks("image", blockLength(images_.size()))};
   options.ordered = true;
-  const Clustered clustered = slom::clustered(est_, options);
+  return slom::clustered(est_, options);
+}
+
+void StreamProblem::addClustered(StreamResult& result) {
+  const Clustered clustered = byBlocks();
   for (std::size_t i = 0; i < imus_.size(); ++i) {
     ImuStreamResult& imu = result.imus[i];
-    const Eigen::VectorXd pose = clustered.standardDeviation(imus_[i].left2imu);
-    imu.translation_clustered = vec3(pose.head<3>());
-    imu.rotation_clustered = vec3(pose.tail<3>());
-    imu.rotation_vector_clustered = rotationVectorStd(
-        imu.left2imu.orient, clustered.covariance(imus_[i].left2imu).bottomRightCorner<3, 3>());
+    setClusteredDeviations(clustered.covariance(imus_[i].left2imu), imu);
+    imu.axes.std_clustered =
+        imus_[i].axes.ofEach([&](const auto& id) { return clustered.standardDeviation(id); });
+    setBiasDeviations(clustered, imus_[i].gyro_biases, imus_[i].force_biases, imu.gyro_bias_clustered,
+                      imu.force_bias_clustered);
     imu.time_offset_clustered = clustered.standardDeviation(imus_[i].offset)[0];
   }
 }

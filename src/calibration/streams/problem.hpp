@@ -1,12 +1,14 @@
 // Cameras and IMUs together: the problem of the rig, with the readings between images.
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include <slom/slom.hpp>
 
-#include "calibration/fit/rig.hpp"
+#include "calibration/streams/axes.hpp"
 #include "calibration/streams/between_images.hpp"
+#include "calibration/streams/condensed.hpp"
 #include "calibration/streams/start.hpp"
 #include "slom/calibration/imu_stream.hpp"
 
@@ -19,39 +21,56 @@ struct StartedImu {
   ImuNoise noise;
   SE3 left2imu{start.left2imu};
   vec3 force_bias{0., 0., 0.};
+  /// From an earlier fit, by image: the velocity there, and the biases of gyroscope and accelerometer from there on.
+  std::map<std::size_t, vec3> velocities{}, gyro_biases{}, force_biases{};
+  ImuAxes axes = ImuAxes::calibrated;  ///< that are estimated
+  ImuModel<> model{};                  ///< without biases
+  std::vector<BiasJump> jumps{};       ///< that the readings no longer have
 };
-
-/// Start values of the cameras.
-struct CamerasStart {
-  std::vector<Lens> lenses;
-  RigStart rig;
-};
-/// Returns the values of the cameras' own fit.
-CamerasStart startOf(const Result& cameras);
 
 /// Returns a factor for a standard deviation, kept within limits: residuals may be 0, or too few to say anything.
 double limited(double ratio);
 
+/// True length on the board / stated length.
+struct BoardScale {
+  double value = 1;
+  double std = unknown;  ///< the larger one of stated and clustered; unknown: the fit did not converge
+};
+
 class StreamProblem {
  public:
-  /// Builds the problem. `data` (on the fitted board), `settings` and the streams must outlive it.
-  StreamProblem(const Dataset& data, const Settings& settings, const CamerasStart& cameras,
-                const std::vector<RigAtImage>& images, const mtk::S2<>& up,
-                const std::vector<StartedImu>& imus, double gravity);
+  /// Builds the problem. `settings`, `images` and the streams must outlive it. `cameras`, `up` and `imus` are start values.
+  /// `loss`: of the readings between two images.
+  StreamProblem(const Dataset& data, const CondensedCorners& corners, const Settings& settings,
+                const CamerasAt& cameras, const std::vector<RigAtImage>& images, const mtk::S2<>& up,
+                const std::vector<StartedImu>& imus, double gravity, const Loss& loss = {});
 
-  Summary optimize(const Options& options) { return rig_.optimize(options); }
+  Summary optimize(const Options& options);
+  /// Replaces the corners by the same ones, linearised at another point.
+  void setCorners(const CondensedCorners& corners);
   /// Returns values and standard deviations. These stay unknown if the data leave a direction open; `undetermined` then
   /// says why.
   StreamResult result(const Summary& summary);
+  /// Returns the IMUs with the current values.
+  std::vector<StartedImu> started() const;
   /// Returns the IMUs with the current values and, unless the caller gave their noise, with the densities of white noise
   /// that the residuals suggest.
   std::vector<StartedImu> restarted() const;
+  /// Returns, for each IMU, the pairs of images between which its readings contradict the images: those with a residual 10
+  /// times as long as in the median, and as the noise predicts. Returns none if they are more than a tenth.
+  std::vector<std::vector<GrossReadings>> grossReadings() const;
   /// Returns how far the poses are from where the corners of their images alone would put them, relative to what the
   /// stated noise of the corners explains: 1 if errors of corners are independent, more if corners of an image share
   /// errors.
   double imageRatio() const;
+  /// Fits all values again, now with the size of the board, and returns it. Corners fit any size; the readings tell it,
+  /// because gravity is known. Throws slom::Error if the data leave something open.
+  BoardScale boardScale(const Options& options);
+  /// Returns the poses and clocks of the IMUs, with stated standard deviations alone. Throws slom::Error if the data
+  /// leave something open.
+  std::vector<ImuStreamResult> posesOfImus() const;
   mtk::S2<> up() const { return *up_; }
-  CamerasStart cameras() const { return {rig_.cameras(), rig_.rig()}; }
+  CamerasAt cameras() const;
 
  private:
   /// The readings between two successive images.
@@ -70,6 +89,8 @@ class StreamProblem {
     ImuSamples samples;
     VarID<SE3> left2imu;
     VarID<mtk::Scalar<>> offset;
+    AxesVariables axes;
+    std::vector<BiasJump> jumps;
     std::vector<VarID<vec3>> velocities;                 ///< by image
     std::vector<VarID<vec3>> gyro_biases, force_biases;  ///< by interval
     std::vector<Interval> intervals;
@@ -79,30 +100,39 @@ class StreamProblem {
     double gyro = unknown, force = unknown;
   };
 
-  /// The gradient of the pose of the rig at an image, from the corners of that image, and its derivatives: by this pose,
-  /// the parameters of all lenses, and the poses left2camera of all cameras but the first.
-  struct PullOfImage {
-    Eigen::MatrixXd by_variables;  ///< 6 rows
-    Eigen::Matrix<double, 6, 1> gradient;
-  };
-
+  void insertCameras(const Dataset& data, const CamerasAt& cameras);
   void insert(const StartedImu& started);
+  /// Returns the current values of the axes, with the means of the biases.
+  static ImuModel<> modelOf(const Imu& imu);
   void insertIntervals(Imu& imu, const StartedImu& started);
   void insertWalk(Imu& imu, const ImuNoise& noise);
   Ratios ratiosOf(const Imu& imu) const;
+  /// Returns the time between the middles of interval k - 1 and interval k [s].
+  double timeBetween(const Imu& imu, std::size_t k) const;
   std::pair<double, double> expectedSquares(const Imu& imu) const;
-  PullOfImage pullOf(int image, const CamerasStart& now) const;
   ImuStreamResult resultOf(const Imu& imu) const;
   void addStandardDeviations(StreamResult& result);
+  Clustered byBlocks() const;
   void addClustered(StreamResult& result);
 
-  const Dataset& data_;
   const Settings& settings_;
   const std::vector<RigAtImage>& images_;
   double gravity_;
-  RigProblem rig_;
-  Estimator& est_;
+  Loss loss_;
+  Estimator est_;
+  std::vector<VarID<Lens>> lenses_;
+  std::vector<VarID<SE3>> left2camera_;   ///< the first is no variable
+  std::map<int, VarID<SE3>> left2world_;  ///< by image
+  std::size_t corners_ = 0;
+  /// The corners of an image, as a measurement: GaussianPrior(variables, R, b).
+  struct Seen {
+    std::vector<AnyVarID> variables;
+    Eigen::MatrixXd R;  ///< in standard deviations
+    AnyMeasID id;
+  };
+  std::map<int, Seen> seen_;  ///< by image
   VarID<mtk::S2<>> up_;
+  VarID<mtk::Scalar<>> board_scale_;  ///< held at 1, except by boardScale
   std::vector<Imu> imus_;
 };
 

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
+#include "calibration/nearest_rotation.hpp"
 
 namespace slom::calibration {
 
@@ -46,18 +45,15 @@ RatePairs pairsAt(double offset, const std::vector<CameraRate>& rates, const Gyr
   return pairs;
 }
 
-Alignment align(const RatePairs& pairs, bool mirrored) {
+RatesAlignment align(const RatePairs& pairs, bool mirrored) {
   const double n = double(pairs.camera.size());
   Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = a;
   for (std::size_t i = 0; i < pairs.camera.size(); ++i) a += pairs.camera[i] / n, b += pairs.gyro[i] / n;
   Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < pairs.camera.size(); ++i)
     B += (pairs.gyro[i] - b) * (pairs.camera[i] - a).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() * (mirrored ? -1 : 1);
-  Alignment result;
-  result.R =
-      svd.matrixU() * Eigen::Vector3d(1, 1, sign > 0 ? 1 : -1).asDiagonal() * svd.matrixV().transpose();
+  RatesAlignment result;
+  result.R = nearestRotation(B, mirrored);
   result.bias = vec3(b - result.R * a);
   for (std::size_t i = 0; i < pairs.camera.size(); ++i)
     result.rms += (result.R * pairs.camera[i] + result.bias - pairs.gyro[i]).squaredNorm() / n;

@@ -43,12 +43,12 @@ struct RatePairs {
 RatePairs pairsAt(double offset, const std::vector<CameraRate>& rates, const GyroIntegral& gyro);
 
 /// The rotation, or with `mirrored` the rotation and reflection, that best moves the camera's rates to the gyroscope's.
-struct Alignment {
+struct RatesAlignment {
   Eigen::Matrix3d R;
   vec3 bias;
   double rms = 0;
 };
 
-Alignment align(const RatePairs& pairs, bool mirrored);
+RatesAlignment align(const RatePairs& pairs, bool mirrored);
 
 }  // namespace slom::calibration

@@ -78,7 +78,7 @@ void requireUnitsAndHand(const ImuStream& imu, const RatePairs& pairs) {
 }
 
 /// Refuses angular velocities that follow those of the cameras in magnitude, but not in direction.
-void requireSameMotion(const ImuStream& imu, const RatePairs& pairs, const Alignment& aligned) {
+void requireSameMotion(const ImuStream& imu, const RatePairs& pairs, const RatesAlignment& aligned) {
   constexpr double most_share = 0.7;  // half of the squares
   const double spread = spreadOf(pairs.gyro);
   if (aligned.rms <= most_share * spread) return;
@@ -92,7 +92,7 @@ void requireSameMotion(const ImuStream& imu, const RatePairs& pairs, const Align
 }
 
 /// Refuses turns about one axis: the place of the IMU along the axis then changes no reading.
-void requireAxes(const ImuStream& imu, const RatePairs& pairs, const Alignment& aligned) {
+void requireAxes(const ImuStream& imu, const RatePairs& pairs, const RatesAlignment& aligned) {
   constexpr double least_share = 0.01;  // of the second axis in the rates: about what noise amounts to
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   for (const vec3& rate : pairs.gyro) {
@@ -196,7 +196,7 @@ RatesStart startByRates(const ImuStream& imu, const std::vector<RigAtImage>& ima
          .remedy = "give images and readings of the same motion, with quick turns about all axes"});
   const RatePairs pairs = pairsAt(peak.offset, rates, gyro);
   requireUnitsAndHand(imu, pairs);
-  const Alignment aligned = align(pairs, false);
+  const RatesAlignment aligned = align(pairs, false);
   requireSameMotion(imu, pairs, aligned);
   requireAxes(imu, pairs, aligned);
   RatesStart start{peak.offset, SO3(aligned.R), aligned.bias, peak.correlation};

@@ -294,10 +294,11 @@ TEST(Patterns2, HaveSentences) {
       "the lens of right changes over the images: fx by -1.2 from the first to the last, which explains "
       "2.0 % of the squared residuals; check whether the focus moved, the camera warmed up, or the lens "
       "model is too simple for images that change over time");
-  EXPECT_EQ(sentence(Kind::time_offset, -0.01, 0.3),
-            "residuals of right follow the motion, as if it were 0.010 of the interval between image numbers "
-            "earlier than left, which explains 30 % of the squared residuals; check the time stamps, or hold "
-            "the cameras still while they take images");
+  EXPECT_EQ(
+      sentence(Kind::time_offset, -0.01, 0.3),
+      "residuals of right follow the motion, as if it were 0.010 of the interval between image numbers "
+      "earlier than left, which explains 30 % of the squared residuals; check the time stamps, hold the "
+      "cameras still while they take images, or, with an --imu-stream, add --camera-offsets");
   EXPECT_EQ(
       sentence(Kind::slant, 1.61),
       "residuals of right are 1.6 times as large in the most slanted quarter of its images as in the most "

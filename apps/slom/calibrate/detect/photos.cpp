@@ -1,6 +1,7 @@
 #include "calibrate/detect/photos.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <glob.h>
 #include <map>
@@ -16,11 +17,34 @@ namespace {
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-/// Returns the files that match one pattern, in alphabetical order. If a file has the name of the pattern, returns
-/// that file.
+/// Returns the photographs of a folder, in alphabetical order. EuRoC's folders of cameras have theirs in `data`.
+std::vector<std::string> photosIn(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  const std::filesystem::path data = folder / "data";
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(
+           std::filesystem::is_directory(data, ignored) ? data : folder, ignored)) {
+    std::string ending = entry.path().extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    for (const char* const known : {".png", ".jpg", ".jpeg", ".pgm", ".bmp", ".tif", ".tiff"}) {
+      if (ending == known) files.push_back(entry.path().string());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Returns the files that match one pattern, or the photographs of a folder, in alphabetical order. If a file has the name
+/// of the pattern, returns that file.
 std::vector<std::string> expanded(const std::string& camera, const std::string& pattern) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(pattern, ignored)) return {pattern};
+  if (std::filesystem::is_directory(pattern, ignored)) {
+    if (std::vector<std::string> files = photosIn(pattern); !files.empty()) return files;
+    throw UserError(fmt::format(
+        "--images {}={}: the folder has no photographs, nor has its folder data; correct the folder", camera,
+        pattern));
+  }
   glob_t found{};
   const int status = ::glob(pattern.c_str(), GLOB_TILDE, nullptr, &found);
   std::vector<std::string> files;

@@ -5,10 +5,10 @@
 
 namespace slom::app::calib {
 
-std::string toHtml(const Dataset& data, const Result& result) {
+std::string toHtml(const Dataset& data, const Result& result, const std::optional<FittedStreams>& streams) {
   const std::string_view page = page_template, mark = "@data@";
   const std::size_t at = page.find(mark);
-  return std::string(page.substr(0, at)) + pageData(data, result) +
+  return std::string(page.substr(0, at)) + pageData(data, result, streams) +
          std::string(page.substr(at + mark.size()));
 }
 

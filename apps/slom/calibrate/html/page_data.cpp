@@ -6,8 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "calibrate/detect/photo_patch.hpp"
+#include "calibrate/html/motion_data.hpp"
+#include "calibrate/html/page_numbers.hpp"
 #include "calibrate/library.hpp"
 #include "calibrate/output/notes.hpp"
+#include "calibrate/output/quality_json.hpp"
 #include "script_text.hpp"
 
 namespace slom::app::calib {
@@ -20,12 +23,6 @@ constexpr std::size_t most_boards = 200;    // in the view of the boards in spac
 constexpr std::size_t most_images = 500;    // in tables
 constexpr std::size_t most_correlated = 120;
 
-/// Rounds to a few decimal places, which keeps the page small.
-double rounded(double x, int decimals) {
-  const double scale = std::pow(10, decimals);
-  return std::round(x * scale) / scale;
-}
-
 /// Returns the numbers with three digits each; null for a number that is not finite.
 Json threeDigits(const std::vector<double>& numbers) {
   Json list = Json::array();
@@ -36,19 +33,6 @@ Json threeDigits(const std::vector<double>& numbers) {
       list.push_back(x == 0 ? 0 : rounded(x, 2 - int(std::floor(std::log10(std::abs(x))))));
   }
   return list;
-}
-
-/// Returns name, value, stated and clustered standard deviation, and unit, as text with a useful number of digits.
-Json row(const std::string& name, double value, double std, double clustered, const std::string& unit) {
-  const ValueText text = withStd(value, std);
-  const std::string second = std > 0 && !std::isnan(clustered) ? withStd(value, clustered).std : "";
-  return {name, text.value, text.std, second, unit};
-}
-
-void addVector(Json& rows, const std::string& name, const vec3& value, const vec3& std, const vec3& clustered,
-               const std::string& unit) {
-  for (int i = 0; i < 3; ++i)
-    rows.push_back(row(name + "." + "xyz"[i], value[i], std[i], clustered[i], unit));
 }
 
 Json pose(const SE3& T) {
@@ -115,7 +99,7 @@ Json parameters(const CameraResult& camera) {
   Json rows = Json::array();
   for (const Parameter& p : camera.parameters) {
     rows.push_back(
-        row(p.name, p.value, p.std, p.std_clustered, p.name[0] == 'f' || p.name[0] == 'c' ? "px" : ""));
+        valueRow(p.name, p.value, p.std, p.std_clustered, p.name[0] == 'f' || p.name[0] == 'c' ? "px" : ""));
   }
   return rows;
 }
@@ -164,7 +148,7 @@ Json cameraJson(const Result& result, std::size_t c) {
 Json imuJson(const ImuResult& imu) {
   Json rows = Json::array();
   addVector(rows, "acc_bias", imu.acc_bias, imu.acc_bias_std, imu.acc_bias_clustered.std, "m/s²");
-  rows.push_back(row("gravity", imu.gravity, imu.gravity_std, imu.gravity_std_clustered, "m/s²"));
+  rows.push_back(valueRow("gravity", imu.gravity, imu.gravity_std, imu.gravity_std_clustered, "m/s²"));
   addVector(rows, "rotation", vec3(SO3::log(imu.left2imu) * degrees), vec3(imu.rotation_vector_std * degrees),
             vec3(imu.rotation_vector_clustered.std * degrees), "deg");
   return {{"readings", imu.readings},
@@ -275,40 +259,38 @@ Json fittedBoardJson(const Dataset& data, const Result& result) {
 
 }  // namespace
 
-std::string pageData(const Dataset& data, const Result& result) {
+std::string pageData(const Dataset& data, const Result& result, const std::optional<FittedStreams>& streams) {
   const Quality& quality = *result.quality;
-  const Verdict verdict = verdictOf(result);
   Json cameras = Json::array(), times = Json::array();
   for (std::size_t c = 0; c < result.cameras.size(); ++c) cameras.push_back(cameraJson(result, c));
   for (const PhaseTime& time : quality.times) times.push_back({time.phase, rounded(time.seconds, 4)});
-  return scriptText(
-      {{"verdict",
-        {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
-       {"success", result.success()},
-       {"is_assessed", result.success() && quality.hasProjection()},
-       {"is_clustered", quality.is_clustered},
-       {"cut_short", quality.cut_short},
-       {"notes", notes(result)},
-       {"iterations", result.iterations},
-       {"stop_reason", result.stop_reason},
-       {"measurements", result.measurements},
-       {"unknowns", result.unknowns},
-       {"redundancy", result.redundancy},
-       {"chi2_per_dof", result.chi2PerDof()},
-       {"sigma_px", result.sigma_px},
-       {"sigma_acc", result.sigma_acc},
-       {"rms", rmsOfAll(result)},
-       {"cameras", cameras},
-       {"imu", result.imu ? imuJson(*result.imu) : Json()},
-       {"images", imagesJson(result)},
-       {"board", boardJson(data)},
-       {"fitted_board", fittedBoardJson(data, result)},
-       {"board_distance", quality.board_distance_m},
-       {"split_why_not", quality.split_half.why_not},
-       {"worst", worstJson(data, result)},
-       {"correlations", pageCorrelationsJson(quality.correlations)},
-       {"views", viewsJson(result)},
-       {"times", times}});
+  return scriptText({{"verdict", verdictJson(verdictOf(result))},
+                     {"success", result.success()},
+                     {"is_assessed", result.success() && quality.hasProjection()},
+                     {"is_clustered", quality.is_clustered},
+                     {"cut_short", quality.cut_short},
+                     {"notes", notes(result)},
+                     {"iterations", result.iterations},
+                     {"stop_reason", result.stop_reason},
+                     {"measurements", result.measurements},
+                     {"unknowns", result.unknowns},
+                     {"redundancy", result.redundancy},
+                     {"chi2_per_dof", result.chi2PerDof()},
+                     {"sigma_px", result.sigma_px},
+                     {"sigma_acc", result.sigma_acc},
+                     {"rms", rmsOfAll(result)},
+                     {"cameras", cameras},
+                     {"imu", result.imu ? imuJson(*result.imu) : Json()},
+                     {"streams", streams ? motionJson(*streams) : Json()},
+                     {"images", imagesJson(result)},
+                     {"board", boardJson(data)},
+                     {"fitted_board", fittedBoardJson(data, result)},
+                     {"board_distance", quality.board_distance_m},
+                     {"split_why_not", quality.split_half.why_not},
+                     {"worst", worstJson(data, result)},
+                     {"correlations", pageCorrelationsJson(quality.correlations)},
+                     {"views", viewsJson(result)},
+                     {"times", times}});
 }
 
 }  // namespace slom::app::calib

@@ -66,8 +66,9 @@ function plot(place, label, options, data, height) {
 
 /// Plots over an image of a camera, with square pixels and v downwards. draw(pen, x, y, scale): x(u), y(v) in pixels
 /// of the canvas; `scale`: canvas pixels in one pixel of the page. `probe(u, v)`: text about a place. `labels`: of
-/// the axes, if this is not an image.
-function imagePlot(place, label, camera, draw, probe, labels = ["u [px]", "v [px]"]) {
+/// the axes, if this is not an image. `from`: numbers at the upper left corner, if they are not 0.
+function imagePlot(place, label, camera, draw, probe, labels = ["u [px]", "v [px]"], from = null) {
+  const ticks = axis => from ? {values: (_, numbers) => numbers.map(x => (x + from[axis]).toFixed(2))} : {};
   const hook = u => {
     const pen = u.ctx;
     pen.save();
@@ -79,7 +80,7 @@ function imagePlot(place, label, camera, draw, probe, labels = ["u [px]", "v [px
   };
   const drawn = plot(place, label, {
     scales: {x: {time: false, range: () => [0, camera.width]}, y: {range: () => [0, camera.height], dir: -1}},
-    axes: [axis(labels[0], {size: bottom_size, space: 60}), axis(labels[1], {size: left_size, space: 40})],
+    axes: [axis(labels[0], {size: bottom_size, space: 60, ...ticks(0)}), axis(labels[1], {size: left_size, space: 40, ...ticks(1)})],
     series: [{}, {paths: () => null, points: {show: false}}],
     hooks: {draw: [hook]},
   }, [[0, camera.width], [0, camera.height]], width => {

@@ -25,14 +25,18 @@ const sizeNote = camera => camera.size_is_assumed
 const distanceText = distance => distance === null ? "at infinity" : "at " + number(distance) + " m";
 
 function head() {
-  const level = data.verdict.level;
-  const words = {trustworthy: "Trustworthy", doubtful: "Look closer", failed: "Failed"}[level];
-  const verdict = document.getElementById("verdict");
-  verdict.className = level;
-  verdict.append(el("span", {class: "mark", "aria-hidden": "true"}, {trustworthy: "✓", doubtful: "!", failed: "✕"}[level]),
-    el("h1", {}, words + ". " + data.verdict.sentence));
-  const doubts = data.verdict.doubts.slice(level === "failed" ? 0 : 1);
-  if (doubts.length) verdict.append(el("ul", {}, ...doubts.map(text => el("li", {}, text[0].toUpperCase() + text.slice(1) + "."))));
+  const levels = {failed: ["✕", "Failed"], doubtful: ["!", "Look closer"], trustworthy: ["✓", "Trustworthy"]}, order = Object.keys(levels);
+  const all = [{of: "Cameras", ...data.verdict}, ...(data.streams ? [{of: "IMU", ...data.streams.verdict}] : [])]
+    .sort((a, b) => order.indexOf(a.level) - order.indexOf(b.level));  // the worst comes first
+  const [mark, words] = levels[all[0].level], verdict = document.getElementById("verdict");
+  verdict.className = all[0].level;
+  verdict.append(el("span", {class: "mark", "aria-hidden": "true"}, mark));
+  for (const one of all) {
+    const text = levels[one.level][1] + ". " + one.sentence;
+    verdict.append(el(one === all[0] ? "h1" : "p", {}, all.length > 1 ? one.of + ": " + text : text));
+    const doubts = one.doubts.slice(one.level === "failed" ? 0 : 1);
+    if (doubts.length) verdict.append(el("ul", {}, ...doubts.map(doubt => el("li", {}, doubt[0].toUpperCase() + doubt.slice(1) + "."))));
+  }
   document.title = words + ": calibration of " + data.cameras.map(camera => camera.name).join(", ");
 
   const corners = data.cameras.reduce((sum, camera) => sum + camera.corners, 0);
@@ -256,6 +260,7 @@ parameters();
 fit();
 residuals();
 space();
+motion();
 board();
 if (data.is_assessed) {
   projection();

@@ -249,43 +249,159 @@ Json stampsJson(const ImageNumbers& numbers) {
           {"spacing", numbers.spacing()}};
 }
 
-Json imuStreamJson(const ImuStreamResult& imu, const std::string& reference) {
-  Json pose = poseJson(imu.left2imu);
+/// Returns a matrix of the axes, row by row, with the stated and clustered standard deviations of its entries.
+Json axesJson(const Eigen::MatrixXd& values, const Eigen::MatrixXd& std, const Eigen::MatrixXd& clustered) {
+  const auto rows = [](const Eigen::MatrixXd& m) {
+    return list(Eigen::VectorXd(Eigen::MatrixXd(m.transpose()).reshaped()));
+  };
+  return {{"value", rows(values)}, {"std", rows(std)}, {"std_clustered", rows(clustered)}};
+}
+
+/// Returns the axes of an IMU as matrices, row by row.
+Json imuModelJson(const ImuAxesResult& axes) {
+  const auto force = [](const auto& a) {
+    return (Eigen::Matrix3d() << a[0], 0, 0, a[1], a[2], 0, a[3], a[4], a[5]).finished();
+  };
+  const auto square = [](const auto& a) {
+    return (Eigen::Matrix3d() << a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]).finished();
+  };
+  const auto places = [](const auto& a) {
+    return (Eigen::Matrix<double, 2, 3>() << a[0], a[1], a[2], a[3], a[4], a[5]).finished();
+  };
+  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+  const double *std = axes.std.data(), *clustered = axes.std_clustered.data();
+  const std::vector<double> none(30, unknown);
+  if (axes.std.size() < none.size() - 6) std = none.data();
+  if (axes.std_clustered.size() < axes.std.size() || axes.std_clustered.empty()) clustered = none.data();
+  Json json{
+      {"name", toString(axes.estimated)},
+      {"accelerometer_M", axesJson(I + force(axes.model.force_axes), force(std), force(clustered))},
+      {"gyroscope_M", axesJson(I + square(axes.model.gyro_axes), square(std + 6), square(clustered + 6))},
+      {"gyroscope_A", axesJson(square(axes.model.gyro_by_force), square(std + 15), square(clustered + 15))}};
+  if (axes.estimated == ImuAxes::scale_misalignment_size_effect)
+    json["accelerometer_places"] =
+        axesJson(places(axes.model.force_places), places(std + 24), places(clustered + 24));
+  return json;
+}
+
+Json spikesJson(const std::vector<ImuSpike>& spikes) {
+  Json all = Json::array();
+  for (const ImuSpike& spike : spikes)
+    all.push_back({{"t_s", spike.time},
+                   {"sensor", spike.is_gyro ? "gyroscope" : "accelerometer"},
+                   {"axis", std::string(1, "xyz"[spike.axis])},
+                   {"jump", spike.jump}});
+  return all;
+}
+
+/// Returns the jumps of biases, with times since the first reading.
+Json jumpsJson(const std::vector<BiasJump>& jumps) {
+  Json all = Json::array();
+  for (const BiasJump& jump : jumps)
+    all.push_back({{"t_s", jump.time},
+                   {"sensor", jump.is_gyro ? "gyroscope" : "accelerometer"},
+                   {"change", list(jump.change)}});
+  return all;
+}
+
+Json grossJson(const std::vector<GrossReadings>& gross) {
+  Json all = Json::array();
+  for (const GrossReadings& one : gross)
+    all.push_back({{"from_s", one.from}, {"to_s", one.to}, {"times", one.times}});
+  return all;
+}
+
+/// Returns a pose with its stated and clustered standard deviations, of an IMU or a camera: translation, then rotation.
+template <class Sensor>
+Json poseJson(const SE3& pose, const Sensor& of) {
+  Json json = poseJson(pose);
   Eigen::VectorXd std(6);
-  std << imu.translation_std, imu.rotation_std;
-  pose["std"] = list(std);
-  std << imu.translation_clustered, imu.rotation_clustered;
-  pose["std_clustered"] = list(std);
-  return {{"file", imu.file},
-          {"samples", imu.samples},
-          {"intervals", imu.intervals},
-          {"pose_from_" + reference, std::move(pose)},
-          {"time_offset_s",
-           {{"value", imu.time_offset},
-            {"std", imu.time_offset_std},
-            {"std_clustered", imu.time_offset_clustered}}},
-          {"gyro_bias", list(imu.gyro_bias)},
-          {"acc_bias", list(imu.force_bias)},
-          {"rms_gyro", imu.rms_gyro},
-          {"rms_acc", imu.rms_force},
-          {"noise",
-           {{"gyroscope_noise_density", imu.noise.gyro},
-            {"gyroscope_random_walk", imu.noise.gyro_walk},
-            {"accelerometer_noise_density", imu.noise.force},
-            {"accelerometer_random_walk", imu.noise.force_walk},
-            {"is_given", imu.noise_is_given},
-            {"gyroscope_ratio", imu.gyro_ratio},
-            {"accelerometer_ratio", imu.force_ratio}}}};
+  std << of.translation_std, of.rotation_std;
+  json["std"] = list(std);
+  std << of.translation_clustered, of.rotation_clustered;
+  json["std_clustered"] = list(std);
+  return json;
+}
+
+Json differenceJson(const ImuAgreement& imu) {
+  return {{"translation", list(imu.translation)}, {"translation_std", list(imu.translation_std)},
+          {"rotation", list(imu.rotation)},       {"rotation_std", list(imu.rotation_std)},
+          {"time_offset_s", imu.time_offset},     {"time_offset_std", imu.time_offset_std}};
+}
+
+Json imuStreamJson(const ImuStreamResult& imu, const std::string& reference) {
+  Json json{{"file", imu.file},
+            {"samples", imu.samples},
+            {"left_out_readings", spikesJson(imu.spikes)},
+            {"left_out_intervals", grossJson(imu.gross)},
+            {"intervals", imu.intervals},
+            {"rate_hz", imu.rate},
+            {"pose_from_" + reference, poseJson(imu.left2imu, imu)},
+            {"time_offset_s",
+             {{"value", imu.time_offset},
+              {"std", imu.time_offset_std},
+              {"std_clustered", imu.time_offset_clustered}}},
+            {"excitation", {{"gyro", list(imu.excitation.turns)}, {"acc", list(imu.excitation.forces)}}},
+            {"gyro_bias", list(imu.gyro_bias)},
+            {"gyro_bias_std", list(imu.gyro_bias_std)},
+            {"gyro_bias_std_clustered", list(imu.gyro_bias_clustered)},
+            {"acc_bias", list(imu.force_bias)},
+            {"acc_bias_std", list(imu.force_bias_std)},
+            {"acc_bias_std_clustered", list(imu.force_bias_clustered)},
+            {"bias_jumps", jumpsJson(imu.jumps)},
+            {"rms_gyro", imu.rms_gyro},
+            {"rms_acc", imu.rms_force},
+            {"noise",
+             {{"gyroscope_noise_density", imu.noise.gyro},
+              {"gyroscope_random_walk", imu.noise.gyro_walk},
+              {"accelerometer_noise_density", imu.noise.force},
+              {"accelerometer_random_walk", imu.noise.force_walk},
+              {"is_given", imu.noise_is_given},
+              {"gyroscope_ratio", imu.gyro_ratio},
+              {"accelerometer_ratio", imu.force_ratio}}}};
+  if (imu.halves) json["halves"] = differenceJson(*imu.halves);
+  if (imu.axes.estimated != ImuAxes::calibrated) json["model"] = imuModelJson(imu.axes);
+  return json;
+}
+
+/// Returns the clocks and shutters of the cameras, and their poses by all data.
+Json timingsJson(const std::vector<CameraStreamResult>& cameras) {
+  const auto number = [](const std::optional<StreamNumber>& one) -> Json {
+    if (!one) return {};
+    return {{"value", one->value}, {"std", one->std}, {"std_clustered", one->std_clustered}};
+  };
+  Json json = Json::object();
+  for (const CameraStreamResult& camera : cameras) {
+    json[camera.name] = {{"time_offset_s", number(camera.time_offset)},
+                         {"line_delay_s", number(camera.line_delay)}};
+    if (camera.name != cameras.front().name)
+      json[camera.name]["pose_from_" + cameras.front().name] = poseJson(camera.left2camera, camera);
+  }
+  return json;
+}
+
+/// Returns the values by splines minus those by preintegration.
+Json agreementJson(const StreamAgreement& agreement) {
+  Json imus = Json::object();
+  for (const ImuAgreement& imu : agreement.imus) imus[imu.name] = differenceJson(imu);
+  return {{"imus", std::move(imus)},
+          {"gravity_angle", agreement.gravity_angle},
+          {"gravity_std", agreement.gravity_std},
+          {"largest", agreement.largest},
+          {"largest_name", agreement.largest_name},
+          {"contradiction", agreement.contradiction.empty() ? Json() : Json(agreement.contradiction)}};
 }
 
 /// Adds IMUs in motion, gravity, and how their fit ended.
-void addStreams(const StreamResult& streams, const std::string& reference, Json& json) {
+void addStreams(const FittedStreams& fitted, const std::string& reference, Json& json) {
+  const StreamResult& streams = fitted.result;
   Json imus = Json::object();
   for (const ImuStreamResult& imu : streams.imus) imus[imu.name] = imuStreamJson(imu, reference);
   json["imus"] = std::move(imus);
   json["gravity"] = list(streams.gravity);
   json["gravity_direction_std"] = streams.gravity_direction_std;
-  json["streams"] = {{"converged", streams.converged},
+  json["streams"] = {{"path", toString(streams.path)},
+                     {"converged", streams.converged},
                      {"stop_reason", streams.stop_reason},
                      {"message", streams.message},
                      {"undetermined", streams.undetermined.empty() ? Json() : Json(streams.undetermined)},
@@ -295,13 +411,16 @@ void addStreams(const StreamResult& streams, const std::string& reference, Json&
                      {"sigma_px", streams.sigma_px},
                      {"largest_camera_change", streams.largest_camera_change},
                      {"most_changed", streams.most_changed},
+                     {"verdict", verdictJson(fitted.verdict)},
                      {"notes", streams.notes}};
+  if (!streams.cameras.empty()) json["streams"]["cameras"] = timingsJson(streams.cameras);
+  if (fitted.agreement) json["streams"]["agreement"] = agreementJson(*fitted.agreement);
 }
 
 }  // namespace
 
 std::string toJson(const Result& result, const ImageNumbers& numbers,
-                   const std::optional<StreamResult>& streams) {
+                   const std::optional<FittedStreams>& streams) {
   const std::string& reference = result.cameras.front().name;
   Json rms, cameras, images = Json::array(), worst = Json::array(), strays = Json::array();
   for (const CameraResult& camera : result.cameras) {

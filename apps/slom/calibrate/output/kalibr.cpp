@@ -17,7 +17,8 @@ void addPose(YAML::Emitter& yaml, const char* name, const SE3& pose) {
 
 }  // namespace
 
-std::string toKalibrYaml(const Result& result, const ImuStreamResult* imu) {
+std::string toKalibrYaml(const Result& result, const StreamResult* streams) {
+  const ImuStreamResult* const imu = streams ? &streams->imus.front() : nullptr;
   YAML::Emitter yaml;
   yaml << YAML::BeginMap;
   for (std::size_t n = 0; n < result.cameras.size(); ++n) {
@@ -27,7 +28,7 @@ std::string toKalibrYaml(const Result& result, const ImuStreamResult* imu) {
          << YAML::Comment(camera.name);
     if (imu) {
       addPose(yaml, "T_cam_imu", camera.left2camera * imu->left2imu.inverse());
-      yaml << YAML::Key << "timeshift_cam_imu" << YAML::Value << fmt::format("{}", imu->time_offset);
+      yaml << YAML::Key << "timeshift_cam_imu" << YAML::Value << fmt::format("{}", offsetOf(*streams, n));
     }
     if (n > 0) addPose(yaml, "T_cn_cnm1", camera.left2camera * result.cameras[n - 1].left2camera.inverse());
     yaml << YAML::Key << "camera_model" << YAML::Value << lens.camera_model << YAML::Key << "intrinsics"

@@ -288,7 +288,17 @@ void noteLeverage(const Result& result, std::vector<std::string>& notes) {
         fmt::format("{} more corners pull the fit towards them; the JSON lists them.", count - most));
 }
 
+/// Returns whether the images of a camera seem to have another time than those of the first one.
+bool hasOtherTimes(const Result& result) {
+  if (!result.quality) return false;
+  const auto& patterns = result.quality->patterns;
+  return std::any_of(patterns.begin(), patterns.end(), [](const ResidualPattern& pattern) {
+    return pattern.kind == ResidualPattern::Kind::time_offset && pattern.isFound();
+  });
+}
+
 void noteTogether(const Result& result, std::vector<std::string>& notes) {
+  if (hasOtherTimes(result)) return;  // which says why
   for (const CameraResult& camera : result.cameras) {
     if (!(camera.rms_px > together_mismatch * camera.rms_px_single)) continue;
     notes.push_back(
@@ -331,11 +341,17 @@ void noteClustered(const Result& result, std::vector<std::string>& notes) {
   for (std::string& sentence : sentencesOf(clustered)) notes.push_back(std::move(sentence));
 }
 
-/// Notes why errors are not independent, as far as residuals show it.
-void notePatterns(const Result& result, std::vector<std::string>& notes) {
+/// Returns whether a pattern says that an image or its rows have another time than stated.
+bool isOfTimes(const ResidualPattern& pattern) {
+  return pattern.kind == ResidualPattern::Kind::time_offset ||
+         pattern.kind == ResidualPattern::Kind::row_readout;
+}
+
+/// Notes why errors are not independent, as far as residuals show it: because of wrong times, or for other reasons.
+void notePatterns(const Result& result, bool of_times, std::vector<std::string>& notes) {
   if (!result.quality) return;
   for (const ResidualPattern& pattern : result.quality->patterns) {
-    if (!pattern.isFound() || isExplained(pattern, result)) continue;
+    if (!pattern.isFound() || isExplained(pattern, result) || isOfTimes(pattern) != of_times) continue;
     notes.push_back(capitalised(sentenceOf(pattern, result)) + ".");
   }
 }
@@ -350,13 +366,14 @@ std::vector<std::string> notes(const Result& result) {
   noteDenominator(result, notes);
   noteStrays(result, notes);
   noteCauses(result, notes);
+  if (result.success()) notePatterns(result, true, notes);
   noteRejected(result, notes);
   if (result.strays.empty()) noteCorners(result, notes);
   if (result.strays.empty()) noteLeverage(result, notes);
   if (result.strays.empty()) noteTogether(result, notes);
   if (result.success() && result.strays.empty()) noteSigmas(result, notes);
   noteClustered(result, notes);
-  if (result.success()) notePatterns(result, notes);
+  if (result.success()) notePatterns(result, false, notes);
   noteImu(result, notes);
   return notes;
 }

@@ -126,20 +126,21 @@ Json patternsJson(const Result& result) {
 
 }  // namespace
 
+Json verdictJson(const Verdict& verdict) {
+  return {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}};
+}
+
 Json qualityJson(const Result& result) {
   const Quality& quality = *result.quality;
-  const Verdict verdict = verdictOf(result);
   Json cameras, seconds;
   for (std::size_t c = 0; c < quality.cameras.size(); ++c)
     cameras[result.cameras[c].name] = cameraJson(quality.cameras[c]);
   for (const PhaseTime& time : quality.times) seconds[time.phase] = time.seconds;
-  Json json = {
-      {"verdict",
-       {{"level", toString(verdict.level)}, {"sentence", verdict.sentence}, {"doubts", verdict.doubts}}},
-      {"cameras", std::move(cameras)},
-      {"worst_corners", worstJson(result)},
-      {"seconds", std::move(seconds)},
-      {"cut_short", quality.cut_short.empty() ? Json() : Json(quality.cut_short)}};
+  Json json = {{"verdict", verdictJson(verdictOf(result))},
+               {"cameras", std::move(cameras)},
+               {"worst_corners", worstJson(result)},
+               {"seconds", std::move(seconds)},
+               {"cut_short", quality.cut_short.empty() ? Json() : Json(quality.cut_short)}};
   if (!result.success() || !quality.hasProjection()) return json;
   json["is_clustered"] = quality.is_clustered;
   json["board_distance_m"] = quality.board_distance_m;

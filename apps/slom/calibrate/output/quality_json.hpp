@@ -7,6 +7,8 @@
 
 namespace slom::app::calib {
 
+nlohmann::ordered_json verdictJson(const Verdict& verdict);
+
 /// Returns the quality. `result.quality` must be set.
 nlohmann::ordered_json qualityJson(const Result& result);
 

@@ -224,14 +224,17 @@ std::string boardText(const Dataset& data) {
 /// Returns the verdict on a usable result. If the result is not usable, the command ends with a reason instead.
 std::string verdictLines(const Result& result, const char* heading) {
   if (!result.quality || !result.success() || !unsoundnessOf(result).isNone()) return "";
-  const Verdict verdict = verdictOf(result);
+  return verdictText(heading, verdictOf(result));
+}
+
+}  // namespace
+
+std::string verdictText(const char* heading, const Verdict& verdict) {
   std::string text = fmt::format("\n{}: {}\n", heading, toString(verdict.level)) + bulleted(verdict.sentence);
   for (std::size_t i = 1; i < verdict.doubts.size(); ++i)  // the sentence has the first
     text += bulleted(capitalised(verdict.doubts[i]) + ".");
   return text;
 }
-
-}  // namespace
 
 std::string dataText(const Dataset& data) {
   std::string text = "data\n";

@@ -25,6 +25,9 @@ std::string vectorLines(const std::string& name, const vec3& value, const vec3& 
 /// Returns the lines of a rotation: its rotation vector with standard deviations [rad].
 std::string rotationLines(const SO3& R, const vec3& std, const vec3& clustered);
 
+/// Returns the lines of a verdict: level, sentence, and the doubts that the sentence lacks.
+std::string verdictText(const char* heading, const Verdict& verdict);
+
 /// Returns the whole report.
 std::string reportText(const Result& result, const char* heading_of_verdict = "verdict");
 

@@ -85,9 +85,12 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
     case Kind::image_place:
       return fmt::format(
           "residuals of {} depend on the place in the image by {} px (RMS), which explains {} of the "
-          "squared residuals: the lens model does not fit, which also biases its parameters; try another "
-          "model (--compare)",
-          camera, twoDigits(value), percent(pattern.share));
+          "squared residuals: the lens model does not fit, which also biases its parameters; {}",
+          camera, twoDigits(value), percent(pattern.share),
+          result.comparison
+              ? "none of the compared models fits better, so name another one (--intrinsics), or look for "
+                "moving optics, a window in front of the lens, or a board that bends"
+              : "try another model (--compare)");
     case Kind::drift:
       return fmt::format(
           "the lens of {} changes over the images: {} by {} from the first to the last, which explains {} "
@@ -103,8 +106,8 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
     case Kind::time_offset:
       return fmt::format(
           "residuals of {} follow the motion, as if it were {} of the interval between image numbers {} "
-          "than {}, which explains {} of the squared residuals; check the time stamps, or hold the "
-          "cameras still while they take images",
+          "than {}, which explains {} of the squared residuals; check the time stamps, hold the cameras still "
+          "while they take images, or, with an --imu-stream, add --camera-offsets",
           camera, twoDigits(std::abs(value)), value > 0 ? "later" : "earlier", result.cameras.front().name,
           percent(pattern.share));
     case Kind::motion_blur:
@@ -115,7 +118,7 @@ std::string sentenceOf(const ResidualPattern& pattern, const Result& result) {
     case Kind::speed:
       return fmt::format(
           "residuals of {} are {} times as large in the fastest quarter of its images as in the slowest "
-          "one, if image numbers are in the order of time; leave out fast images, or move more slowly",
+          "one, if image numbers are in the order of time; use a shorter exposure, or move more slowly",
           camera, fixedDecimals(value, 1));
     case Kind::slant:
       return fmt::format(

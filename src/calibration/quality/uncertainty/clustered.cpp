@@ -73,7 +73,7 @@ BlockChoice chooseBlocks(const WhitenedScores& scores) {
 
 MatrixXd semidefinite(const MatrixXd& V) {
   const SymmetricEigen eigen = eigenOf(V);
-  if (!(eigen.eigenvalues()[0] < 0)) return V;
+  if (V.rows() == 0 || !(eigen.eigenvalues()[0] < 0)) return V;
   return composed(eigen.eigenvectors(), eigen.eigenvalues().cwiseMax(0));
 }
 

@@ -34,7 +34,8 @@ struct GroupPart {
 GroupPart partOf(const MatrixXd& leverage, const MatrixXd& on_board, const VectorXd& score) {
   const SymmetricEigen own = eigenOf(leverage);
   const VectorXd root = own.eigenvalues().cwiseMax(0).cwiseMin(1).cwiseSqrt();
-  const double least = 1e-8 * root.maxCoeff();  // below, the group does not determine a direction
+  const double least =
+      root.size() > 0 ? 1e-8 * root.maxCoeff() : 0;  // below, the group does not determine a direction
   const VectorXd inverse = root.unaryExpr([&](double r) { return r > least ? 1 / r : 0.0; });
   const MatrixXd& U = own.eigenvectors();
   const MatrixXd W = on_board * U * inverse.asDiagonal();
@@ -133,37 +134,58 @@ MatrixXd WhitenedScores::onBoard(const Image& group) const {
 void WhitenedScores::addView(const FittedRig& rig, const View& view, std::size_t c, const SE3& left2world,
                              const MatrixXd& by_pose, const Matrix6& pose_inverse) {
   const SeenBoard board = rig.seenBoard(c, left2world);
-  const MatrixXd by_camera = K_.middleRows(rig.columns.lens[c], rig.columns.of_camera[c]).transpose();
-  const MatrixXd by_left2camera =
-      c == 0 ? MatrixXd() : MatrixXd(K_.middleRows<6>(rig.columns.pose[c]).transpose());
-  Eigen::Matrix<double, Eigen::Dynamic, 2> rows(K_.cols(), 2);
-  for (const Corner& corner : view.corners) {
-    const double weight = 1 / (rig.sigma_px * corner.sigma);
+  const auto of_camera = Index(rig.columns.of_camera[c]), corners = Index(view.corners.size());
+  // All rows of the view at once, as K^T times the derivatives by the camera, by its place and by the rig's pose.
+  MatrixXd by_view(K_.cols(), of_camera + 12), derivatives(of_camera + 12, 2 * corners);
+  by_view << K_.middleRows(rig.columns.lens[c], of_camera).transpose(),
+      (c > 0 ? MatrixXd(K_.middleRows<6>(rig.columns.pose[c]).transpose()) : MatrixXd::Zero(K_.cols(), 6)),
+      -by_pose;
+  VectorXd residuals(2 * corners), weights(corners);
+  for (Index k = 0; k < corners; ++k) {
+    const Corner& corner = view.corners[std::size_t(k)];
     const SeenBoard::Rows seen = board.rowsOf(corner.world);
-    rows.noalias() = by_camera * byCamera(rig.columns, c, seen, corner).transpose();
-    if (c > 0) rows.noalias() += by_left2camera * seen.byLeft2Camera().transpose();
-    rows.noalias() -= by_pose * seen.byLeft2World().transpose();
-    if (rig.board) {
-      const auto [first, map] = rig.board->of(corner.world);
-      const Eigen::Matrix<double, 2, 3> by_board = seen.by_point * *map;
-      rows.noalias() += K_.middleRows<3>(shared_ + first).transpose() * by_board.transpose();
-      // All rows of an image are orthogonal to its pose, so the part of the board in the pose need not be removed.
-      images_.back().on_board.middleRows<3>(first).noalias() +=
-          weight * weight * (by_board.transpose() * rows.transpose());
-    }
-    const Eigen::Vector2d residual = corner.pixel - seen.pixel();
-    const Eigen::Matrix2d leverage = weight * weight *
-                                     (seen.byLeft2World() * pose_inverse * seen.byLeft2World().transpose() +
-                                      rows.transpose() * rows);  // 2 x 2, of u and v
+    derivatives.middleCols<2>(2 * k) << byCamera(rig.columns, c, seen, corner).transpose(),
+        seen.byLeft2Camera().transpose(), seen.byLeft2World().transpose();
+    residuals.segment<2>(2 * k) = corner.pixel - seen.pixel();
+    weights[k] = 1 / (rig.sigma_px * corner.sigma);
+  }
+  MatrixXd rows = by_view * derivatives;
+  if (rig.board) addBoard(rig, view, board, weights, rows);
+  ViewScores scores{images() - 1, {}, MatrixXd(K_.cols(), corners), VectorXd(corners)};
+  for (Index k = 0; k < corners; ++k) {
+    auto own = rows.middleCols<2>(2 * k);
+    own *= weights[k];
+    const auto by_left2world = derivatives.bottomRows<6>().middleCols<2>(2 * k);
+    const Eigen::Vector2d residual = residuals.segment<2>(2 * k);
+    const Eigen::Matrix2d leverage =
+        weights[k] * weights[k] * (by_left2world.transpose() * pose_inverse * by_left2world) +
+        own.transpose() * own;  // 2 x 2, of u and v
     const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - leverage;
     const bool is_checked = rest.determinant() > least_redundancy * rest.trace();
     const Eigen::Vector2d without = is_checked ? Eigen::Vector2d(rest.inverse() * residual) : residual;
     tests_.push_back({without.norm(), std::sqrt(std::max(0.0, residual.dot(without)))});
-    const VectorXd score = weight * weight * (rows * residual);
-    images_.back().leverage.noalias() += weight * weight * (rows * rows.transpose());
-    images_.back().score += score;
-    const int point = points_.emplace(keyOf(corner.world), int(points_.size())).first->second;
-    corners_.push_back({point, images() - 1, weight * weight * rows.squaredNorm(), score});
+    scores.scores.col(k).noalias() = own * (weights[k] * residual);
+    scores.leverage[k] = own.squaredNorm();
+    scores.points.push_back(
+        points_.emplace(keyOf(view.corners[std::size_t(k)].world), int(points_.size())).first->second);
+  }
+  images_.back().leverage.noalias() += rows * rows.transpose();
+  images_.back().score += scores.scores.rowwise().sum();
+  views_.push_back(std::move(scores));
+}
+
+/// Adds what rows owe to the unknowns of the board, and the image's information on these.
+void WhitenedScores::addBoard(const FittedRig& rig, const View& view, const SeenBoard& board,
+                              const VectorXd& weights, MatrixXd& rows) {
+  for (Index k = 0; k < weights.size(); ++k) {
+    const vec3& world = view.corners[std::size_t(k)].world;
+    const auto [first, map] = rig.board->of(world);
+    const Eigen::Matrix<double, 2, 3> by_board = board.rowsOf(world).by_point * *map;
+    auto own = rows.middleCols<2>(2 * k);
+    own.noalias() += K_.middleRows<3>(shared_ + first).transpose() * by_board.transpose();
+    // All rows of an image are orthogonal to its pose, so the part of the board in the pose need not be removed.
+    images_.back().on_board.middleRows<3>(first).noalias() +=
+        weights[k] * weights[k] * (by_board.transpose() * own.transpose());
   }
 }
 
@@ -224,10 +246,13 @@ BoardPointSums WhitenedScores::byBoardPoints(int length) const {
   BoardPointSums sums{MatrixXd::Zero(n, n), MatrixXd::Zero(n, n), 0, int(points_.size())};
   MatrixXd score = MatrixXd::Zero(n, Index(sums.points) * blocks), of_point = MatrixXd::Zero(n, sums.points);
   VectorXd leverage = VectorXd::Zero(sums.points);
-  for (const CornerScore& corner : corners_) {
-    score.col(Index(corner.point) * blocks + blockOf(corner.image, length)) += corner.score;
-    of_point.col(corner.point) += corner.score;
-    leverage[corner.point] += corner.leverage;
+  for (const ViewScores& view : views_) {
+    for (Index k = 0; k < view.leverage.size(); ++k) {
+      const int point = view.points[std::size_t(k)];
+      score.col(Index(point) * blocks + blockOf(view.image, length)) += view.scores.col(k);
+      of_point.col(point) += view.scores.col(k);
+      leverage[point] += view.leverage[k];
+    }
   }
   sums.by_point = smallSampleFactor(sums.points) * of_point * of_point.transpose();
   sums.by_both = smallSampleFactor(sums.points * blocks) * score * score.transpose();

@@ -63,11 +63,12 @@ class WhitenedScores {
     Eigen::VectorXd score;     // K^T g
     Eigen::MatrixXd on_board;  // Lambda K, rows of the unknowns of the board
   };
-  /// Contribution of a corner to its group.
-  struct CornerScore {
-    int point, image;
-    double leverage;  // trace of its part of N
-    Eigen::VectorXd score;
+  /// Contributions of the corners of a view to their groups.
+  struct ViewScores {
+    int image;
+    std::vector<int> points;   // by corner
+    Eigen::MatrixXd scores;    // free parameters x corners
+    Eigen::VectorXd leverage;  // trace of a corner's part of N
   };
   int blockOf(int image, int length) const {
     return std::min(image / length, std::max(1, images() / length) - 1);
@@ -77,6 +78,8 @@ class WhitenedScores {
   Eigen::MatrixXd onBoard(const Image& group) const;
   void addView(const FittedRig& rig, const View& view, std::size_t c, const SE3& left2world,
                const Eigen::MatrixXd& by_pose, const Matrix6& pose_inverse);
+  void addBoard(const FittedRig& rig, const View& view, const SeenBoard& board,
+                const Eigen::VectorXd& weights, Eigen::MatrixXd& rows);
   void addReading(const FittedRig& rig, const Observation& observation, const Eigen::MatrixXd& by_pose);
 
   int shared_;
@@ -85,7 +88,7 @@ class WhitenedScores {
   Eigen::MatrixXd board_factor_;
   Eigen::VectorXd board_scale_;
   std::vector<Image> images_;
-  std::vector<CornerScore> corners_;
+  std::vector<ViewScores> views_;
   std::vector<CornerTest> tests_;
   std::map<PointKey, int> points_;
 };

@@ -104,15 +104,6 @@ void doubtPatterns(const Result& result, std::vector<std::string>& doubts) {
       case ResidualPattern::Kind::drift:
         doubts.push_back(fmt::format("the lens of {} changes over the images", camera));
         break;
-      case ResidualPattern::Kind::row_readout:
-        if (!isExplained(pattern, result))
-          doubts.push_back(
-              fmt::format("{} seems to read its rows one after the other while it moves", camera));
-        break;
-      case ResidualPattern::Kind::time_offset:
-        doubts.push_back(fmt::format("{} and {} do not take their images at the same time",
-                                     result.cameras.front().name, camera));
-        break;
       default:
         break;
     }
@@ -128,12 +119,34 @@ void doubtImu(const Result& result, std::vector<std::string>& doubts) {
 }  // namespace
 
 bool isExplained(const ResidualPattern& pattern, const Result& result) {
-  const auto& all = result.quality->patterns;
-  return pattern.kind == ResidualPattern::Kind::row_readout &&
-         std::any_of(all.begin(), all.end(), [&](const ResidualPattern& other) {
-           return other.kind == ResidualPattern::Kind::time_offset && other.isFound() &&
-                  other.share >= pattern.share;
-         });
+  using Kind = ResidualPattern::Kind;
+  const auto has = [&](const auto& isCause) {
+    const auto& all = result.quality->patterns;
+    return std::any_of(all.begin(), all.end(),
+                       [&](const auto& one) { return one.isFound() && isCause(one); });
+  };
+  if (pattern.kind == Kind::row_readout)
+    return has([&](const ResidualPattern& other) {
+      return other.kind == Kind::time_offset && other.share >= pattern.share;
+    });
+  if (pattern.kind == Kind::motion_blur || pattern.kind == Kind::speed)
+    return has([](const ResidualPattern& other) {
+      return other.kind == Kind::time_offset || other.kind == Kind::row_readout;
+    });
+  return false;
+}
+
+void doubtTimes(const Result& result, std::vector<std::string>& doubts) {
+  for (const ResidualPattern& pattern : result.quality->patterns) {
+    if (!pattern.isFound() || isExplained(pattern, result)) continue;
+    const std::string& camera = result.cameras[pattern.camera].name;
+    if (pattern.kind == ResidualPattern::Kind::row_readout)
+      doubts.push_back(
+          fmt::format("the rows of {} seem to be read one after the other while it moves", camera));
+    if (pattern.kind == ResidualPattern::Kind::time_offset)
+      doubts.push_back(fmt::format("the images of {} and {} are not taken at the same time",
+                                   result.cameras.front().name, camera));
+  }
 }
 
 void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
@@ -163,6 +176,7 @@ void doubtHalves(const Result& result, std::vector<std::string>& doubts) {
 std::vector<std::string> doubtsOf(const Result& result) {
   std::vector<std::string> doubts;
   doubtCompleteness(*result.quality, doubts);
+  doubtTimes(result, doubts);  // first, because wrong times make images and corners look bad, too
   doubtImages(result, doubts);
   doubtCorners(result, doubts);
   doubtLeverage(result, doubts);

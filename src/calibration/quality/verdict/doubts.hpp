@@ -24,6 +24,9 @@ std::vector<std::string> doubtsOf(const Result& result);
 /// centre. Names the cause and a remedy.
 void doubtProjection(const Result& result, std::vector<std::string>& doubts);
 
+/// Adds wrong times of images and rows, by their residuals.
+void doubtTimes(const Result& result, std::vector<std::string>& doubts);
+
 /// Adds disagreements between halves of the images, or that they cannot be compared.
 void doubtHalves(const Result& result, std::vector<std::string>& doubts);
 

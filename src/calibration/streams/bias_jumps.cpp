@@ -1,0 +1,191 @@
+#include "calibration/streams/bias_jumps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/median.hpp"
+#include "calibration/streams/check.hpp"
+#include "calibration/streams/joint_fit.hpp"
+#include "slom/calibration/error.hpp"
+
+namespace slom::calibration {
+namespace {
+
+constexpr double window = 1;                ///< over which biases are averaged on both sides of a step [s]
+constexpr double stay = 6, least_stay = 3;  ///< over which it must last, also near the ends [s]
+constexpr double looser = 1000;             ///< times the usual walk
+/// Least size of a jump, in usual steps. Images that share errors look like steps of the forces in the first place.
+constexpr double least_turns = 5, least_pushes = 10;
+constexpr double least_of_walk = 100;  ///< times the step of a walk over the window
+constexpr std::size_t most_jumps = 4;  ///< of one sensor
+constexpr double margin = 2.5;         ///< intervals whose readings are left out, on both sides of a jump
+
+/// A bias over time, by intervals between images.
+struct BiasSeries {
+  std::vector<double> times;  ///< of the middles of the intervals, in the clock of the IMU [s]
+  std::vector<Eigen::Vector3d> values;
+  double interval = 0;  ///< usual one [s]
+};
+
+BiasSeries seriesOf(const std::map<std::size_t, vec3>& by_image, const std::vector<RigAtImage>& images,
+                    double offset) {
+  BiasSeries series;
+  std::vector<double> intervals;
+  for (const auto& [i, bias] : by_image) {
+    series.times.push_back((images[i].time + images[i + 1].time) / 2 + offset);
+    series.values.push_back(bias);
+    intervals.push_back(images[i + 1].time - images[i].time);
+  }
+  series.interval = medianOf(intervals);
+  return series;
+}
+
+/// The change of a bias from one side of interval k to the other.
+struct BiasStep {
+  std::size_t k = 0;
+  Eigen::Vector3d change = Eigen::Vector3d::Zero();
+};
+
+constexpr std::size_t blurred = 2;  ///< intervals around a jump whose biases are between
+
+std::size_t countOf(const BiasSeries& series, double time) {
+  return std::size_t(std::max(3., std::ceil(time / series.interval)));
+}
+
+/// Returns the steps of the mean at all intervals with a window on both sides, the largest first.
+std::vector<BiasStep> stepsOf(const BiasSeries& series) {
+  const std::size_t half = countOf(series, window), end = half + blurred;
+  std::vector<BiasStep> steps;
+  for (std::size_t k = end; k + end < series.values.size(); ++k) {
+    BiasStep step{k};
+    for (std::size_t i = blurred; i < half + blurred; ++i)
+      step.change += (series.values[k + i] - series.values[k - i]) / double(half);
+    steps.push_back(step);
+  }
+  std::sort(steps.begin(), steps.end(),
+            [](const BiasStep& a, const BiasStep& b) { return a.change.norm() > b.change.norm(); });
+  return steps;
+}
+
+/// Returns whether medians over longer times differ by the step, too. They do not if the images are wrong for a second. False
+/// near the ends.
+bool stays(const BiasSeries& series, const BiasStep& step) {
+  constexpr double most_difference = 0.3;
+  const std::size_t most = countOf(series, stay), least = countOf(series, least_stay) + blurred;
+  if (step.k < least || step.k + least >= series.values.size()) return false;
+  Eigen::Vector3d change;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> before, behind;
+    for (std::size_t i = blurred; i < most + blurred; ++i) {
+      if (i <= step.k) before.push_back(series.values[step.k - i][axis]);
+      if (step.k + i < series.values.size()) behind.push_back(series.values[step.k + i][axis]);
+    }
+    change[axis] = medianOf(behind) - medianOf(before);
+  }
+  return (change - step.change).norm() < most_difference * step.change.norm();
+}
+
+/// Returns the largest jump, and subtracts it from the values behind.
+std::optional<BiasJump> takeJump(BiasSeries& series, bool is_gyro, double density) {
+  const std::vector<BiasStep> steps = stepsOf(series);
+  if (steps.empty()) return {};
+  const double usual = steps[steps.size() / 2].change.norm();
+  const double least =
+      std::max((is_gyro ? least_turns : least_pushes) * usual, least_of_walk * density * std::sqrt(window));
+  const auto found = std::find_if(steps.begin(), steps.end(), [&](const BiasStep& step) {
+    return step.change.norm() < least || stays(series, step);
+  });
+  if (found == steps.end() || found->change.norm() < least) return {};
+  for (std::size_t i = found->k; i < series.values.size(); ++i) series.values[i] -= found->change;
+  return BiasJump{is_gyro, series.times[found->k], vec3(found->change), margin * series.interval};
+}
+
+std::vector<BiasJump> jumpsIn(BiasSeries series, bool is_gyro, double density) {
+  std::vector<BiasJump> jumps;
+  while (jumps.size() <= most_jumps) {
+    const auto jump = takeJump(series, is_gyro, density);
+    if (!jump) return jumps;
+    jumps.push_back(*jump);
+  }
+  return {};  // a bias that changes all the time
+}
+
+}  // namespace
+
+std::vector<std::vector<BiasJump>> findBiasJumps(const Dataset& data, const Settings& settings,
+                                                 const CamerasAt& cameras,
+                                                 const std::vector<RigAtImage>& images, const mtk::S2<>& up,
+                                                 const std::vector<StartedImu>& imus, double gravity) {
+  constexpr int few_iterations = 20;
+  Options options = optionsOfStreams(settings);
+  options.deviation_tolerance = 1;
+  options.max_iterations = std::min(options.max_iterations, few_iterations);
+  std::vector<StartedImu> loose = imus;
+  for (StartedImu& imu : loose) {
+    imu.noise.gyro_walk *= looser;
+    imu.noise.force_walk *= looser;
+  }
+  std::vector<std::vector<BiasJump>> all(imus.size());
+  try {
+    StreamProblem problem(data, condensed(data, cameras), settings, cameras, images, up, loose, gravity);
+    problem.optimize(options);
+    loose = problem.started();
+  } catch (const slom::Error&) {  // which the fit itself says
+    return all;
+  }
+  for (std::size_t i = 0; i < imus.size(); ++i) {
+    const double offset = loose[i].start.offset;
+    all[i] = jumpsIn(seriesOf(loose[i].gyro_biases, images, offset), true, imus[i].noise.gyro_walk);
+    const auto force =
+        jumpsIn(seriesOf(loose[i].force_biases, images, offset), false, imus[i].noise.force_walk);
+    all[i].insert(all[i].end(), force.begin(), force.end());
+    std::sort(all[i].begin(), all[i].end(),
+              [](const BiasJump& a, const BiasJump& b) { return a.time < b.time; });
+  }
+  return all;
+}
+
+void removeJumps(const std::vector<BiasJump>& jumps, ImuStream& imu) {
+  for (const BiasJump& jump : jumps) {
+    for (ImuSample& sample : imu.samples) {
+      if (sample.time < jump.time) continue;
+      vec3& reading = jump.is_gyro ? sample.gyro : sample.force;
+      reading = vec3(reading - jump.change);
+    }
+  }
+  std::erase_if(imu.samples, [&](const ImuSample& sample) {
+    return std::any_of(jumps.begin(), jumps.end(),
+                       [&](const BiasJump& jump) { return std::abs(sample.time - jump.time) < jump.margin; });
+  });
+}
+
+double incrementDeviation(const std::vector<BiasJump>& jumps, bool is_gyro, double density, double from,
+                          double to) {
+  double variance = density * density * (to - from);
+  for (const BiasJump& jump : jumps) {
+    if (jump.is_gyro == is_gyro && jump.time >= from && jump.time < to) variance += jump.change.squaredNorm();
+  }
+  return std::sqrt(variance);
+}
+
+std::string noteOn(const std::vector<BiasJump>& jumps, const ImuStream& imu) {
+  if (jumps.empty()) return {};
+  std::vector<std::string> named;
+  for (const BiasJump& jump : jumps)
+    named.push_back(fmt::format("that of the {} by ({:.2g}, {:.2g}, {:.2g}) {} at {:.2f} s",
+                                jump.is_gyro ? "gyroscope" : "accelerometer", jump.change[0], jump.change[1],
+                                jump.change[2], jump.is_gyro ? "rad/s" : "m/s^2",
+                                jump.time - imu.samples.front().time));
+  return fmt::format(
+      "{}: biases jump and stay, {} after the first reading. The fit subtracts this from later readings, so biases "
+      "are those before; --robust none keeps the readings.",
+      nameOf(imu), fmt::join(named, ", "));
+}
+
+}  // namespace slom::calibration

@@ -1,0 +1,141 @@
+#include "calibration/streams/spikes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/median.hpp"
+#include "calibration/streams/check.hpp"
+
+namespace slom::calibration {
+namespace {
+
+constexpr double much = 30;          // second difference over the usual one; knocks of a rig by hand reach 20
+constexpr std::size_t near = 3;      // readings on each side that a spike may change
+constexpr std::size_t far = 15;      // readings on each side, beyond the near ones, that say what is usual
+constexpr std::size_t fewest = 100;  // readings in all
+
+/// Returns the standard deviation of normal numbers from the magnitude that a tenth of them exceed.
+double scaleOf(std::vector<double> magnitudes) {
+  constexpr double exceeded_by_a_tenth = 1.645;
+  if (magnitudes.empty()) return 0;
+  const auto at = magnitudes.begin() + std::ptrdiff_t(9 * (magnitudes.size() - 1) / 10);
+  std::nth_element(magnitudes.begin(), at, magnitudes.end());
+  return *at / exceeded_by_a_tenth;
+}
+
+/// Returns which readings have neighbours at the usual intervals: the others are beside a gap.
+std::vector<bool> neighboursOf(const ImuStream& imu) {
+  constexpr double usual = 1.5;  // times the median
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < imu.samples.size(); ++i)
+    intervals.push_back(imu.samples[i].time - imu.samples[i - 1].time);
+  const double longest = usual * medianOf(intervals);
+  std::vector<bool> has_both(imu.samples.size(), false);
+  for (std::size_t i = 1; i < intervals.size(); ++i)
+    has_both[i] = intervals[i - 1] < longest && intervals[i] < longest;
+  return has_both;
+}
+
+/// Returns how far each value is from the mean of its neighbours; 0 beside a gap.
+std::vector<double> differencesOf(const std::vector<double>& values,
+                                  const std::vector<bool>& has_neighbours) {
+  std::vector<double> differences(values.size(), 0);
+  for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+    if (has_neighbours[i]) differences[i] = values[i] - (values[i - 1] + values[i + 1]) / 2;
+  }
+  return differences;
+}
+
+/// Returns the usual magnitude around i, without those that a spike at i changes.
+double usualAround(const std::vector<double>& magnitudes, std::size_t i) {
+  std::vector<double> around;
+  for (std::size_t k = i > far ? i - far : 0; k <= i + far && k < magnitudes.size(); ++k) {
+    if (k + near < i || k > i + near) around.push_back(magnitudes[k]);
+  }
+  return scaleOf(std::move(around));
+}
+
+/// Adds the spikes of one axis: a spike changes the differences of its neighbours, too.
+void addSpikes(const std::vector<double>& values, const std::vector<bool>& has_neighbours,
+               const ImuSpike& axis, const ImuStream& imu, std::vector<ImuSpike>& spikes) {
+  const std::vector<double> differences = differencesOf(values, has_neighbours);
+  std::vector<double> magnitudes;
+  for (const double d : differences) magnitudes.push_back(std::abs(d));
+  const double usual = scaleOf(magnitudes);
+  const auto jumps = [&](std::size_t i) {
+    return usual > 0 && magnitudes[i] > much * usual && magnitudes[i] > much * usualAround(magnitudes, i);
+  };
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::size_t end = i;
+    while (end < values.size() && jumps(end)) ++end;
+    if (end == i) continue;
+    const std::size_t neighbour = end - i > 2 ? 1 : 0;
+    for (std::size_t k = i + neighbour; k + neighbour < end; ++k) {
+      spikes.push_back(axis);
+      spikes.back().sample = k, spikes.back().time = imu.samples[k].time, spikes.back().jump = differences[k];
+    }
+    i = end;
+  }
+}
+
+/// Returns the number of readings, each of which may jump on several axes. `spikes`: in the order of time.
+std::size_t countReadings(const std::vector<ImuSpike>& spikes) {
+  std::size_t count = spikes.empty() ? 0 : 1;
+  for (std::size_t k = 1; k < spikes.size(); ++k) count += spikes[k].sample != spikes[k - 1].sample ? 1 : 0;
+  return count;
+}
+
+}  // namespace
+
+std::vector<ImuSpike> spikesOf(const ImuStream& imu) {
+  std::vector<ImuSpike> spikes;
+  if (imu.samples.size() < fewest) return spikes;
+  const std::vector<bool> has_neighbours = neighboursOf(imu);
+  for (int axis = 0; axis < 6; ++axis) {
+    std::vector<double> values;
+    for (const ImuSample& sample : imu.samples)
+      values.push_back(axis < 3 ? sample.gyro[axis] : sample.force[axis - 3]);
+    addSpikes(values, has_neighbours, {.is_gyro = axis < 3, .axis = axis % 3}, imu, spikes);
+  }
+  std::stable_sort(spikes.begin(), spikes.end(),
+                   [](const ImuSpike& a, const ImuSpike& b) { return a.sample < b.sample; });
+  if (100 * countReadings(spikes) > imu.samples.size()) return {};
+  return spikes;
+}
+
+ImuStream withoutSpikes(ImuStream imu, const std::vector<ImuSpike>& spikes) {
+  std::vector<ImuSample> kept;
+  auto spike = spikes.begin();
+  for (std::size_t i = 0; i < imu.samples.size(); ++i) {
+    if (spike == spikes.end() || spike->sample != i) kept.push_back(imu.samples[i]);
+    while (spike != spikes.end() && spike->sample == i) ++spike;
+  }
+  imu.samples = std::move(kept);
+  return imu;
+}
+
+std::string noteOn(const std::vector<ImuSpike>& spikes, const ImuStream& imu) {
+  if (spikes.empty()) return {};
+  constexpr std::size_t most_named = 4;
+  const std::size_t readings = countReadings(spikes);
+  std::vector<std::string> named;
+  for (std::size_t k = 0; k < spikes.size() && named.size() < most_named; ++k) {
+    const ImuSpike& s = spikes[k];
+    if (k > 0 && s.sample == spikes[k - 1].sample) continue;
+    named.push_back(fmt::format("{} {} by {:.2g} {} {:.3f} s after the first reading",
+                                s.is_gyro ? "gyroscope" : "accelerometer", "xyz"[s.axis], s.jump,
+                                s.is_gyro ? "rad/s" : "m/s^2", s.time - imu.samples.front().time));
+  }
+  if (readings > named.size()) named.push_back(fmt::format("{} more", readings - named.size()));
+  return fmt::format(
+      "{}: {} jump{} off the readings around, as no motion does: {}. Readings that jump were left out; --robust none "
+      "keeps them.",
+      nameOf(imu), readings == 1 ? "one reading" : fmt::format("{} readings", readings),
+      readings == 1 ? "s" : "", fmt::join(named, ", "));
+}
+
+}  // namespace slom::calibration

@@ -1,0 +1,60 @@
+#include "calibration/streams/usable_streams.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "calibration/streams/check.hpp"
+#include "calibration/streams/spikes.hpp"
+
+namespace slom::calibration {
+
+UsableStreams::UsableStreams(const std::vector<ImuStream>& imus, Robust robust)
+    : given_(imus), robust_(robust), gross_(imus.size()), jumps_(imus.size()) {
+  for (const ImuStream& imu : imus) {
+    requireGoodStream(imu);
+    spikes_.push_back(robust == Robust::none ? std::vector<ImuSpike>() : spikesOf(imu));
+    used_.push_back(withoutSpikes(imu, spikes_.back()));
+  }
+}
+
+namespace {
+
+/// Returns whether there is something of any IMU.
+template <class T>
+bool hasAny(const std::vector<std::vector<T>>& by_imu) {
+  return std::any_of(by_imu.begin(), by_imu.end(), [](const std::vector<T>& one) { return !one.empty(); });
+}
+
+}  // namespace
+
+bool UsableStreams::remove(std::vector<std::vector<GrossReadings>> gross) {
+  if (robust_ == Robust::none || !hasAny(gross)) return false;
+  gross_ = std::move(gross);
+  for (std::size_t i = 0; i < used_.size(); ++i) removeReadings(gross_[i], used_[i]);
+  return true;
+}
+
+bool UsableStreams::remove(std::vector<std::vector<BiasJump>> jumps) {
+  if (robust_ == Robust::none || !hasAny(jumps)) return false;
+  jumps_ = std::move(jumps);
+  for (std::size_t i = 0; i < used_.size(); ++i) removeJumps(jumps_[i], used_[i]);
+  return true;
+}
+
+void UsableStreams::report(StreamResult& result) const {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < given_.size(); ++i) {
+    result.imus[i].spikes = spikes_[i];
+    result.imus[i].gross = gross_[i];
+    result.imus[i].jumps = jumps_[i];
+    for (std::string note :
+         {noteOn(spikes_[i], given_[i]), noteOn(gross_[i], given_[i]), noteOn(jumps_[i], given_[i])}) {
+      if (!note.empty()) notes.push_back(std::move(note));
+    }
+  }
+  result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
+}
+
+}  // namespace slom::calibration

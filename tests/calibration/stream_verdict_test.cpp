@@ -1,0 +1,106 @@
+// The verdict on IMUs in motion: trustworthy for good recordings, and doubtful with the cause for those that have one.
+#include <gtest/gtest.h>
+
+#include "calibration/simulated_streams.hpp"
+#include "support/fresh_seed.hpp"
+
+namespace slom::calibration {
+namespace {
+
+using testing::Calibrated;
+using testing::datasetOf;
+using testing::quickStream;
+using testing::streamOf;
+
+Verdict verdictWith(const Calibrated& rig, const std::vector<ImuStream>& imus,
+                    const StreamSettings& stream = {}) {
+  return verdictOf(rig.with(imus, stream), rig.camera);
+}
+
+std::string textOf(const Verdict& verdict) {
+  std::string text = std::string(toString(verdict.level)) + ": " + verdict.sentence;
+  for (const std::string& doubt : verdict.doubts) text += "\n" + doubt;
+  return text;
+}
+
+TEST(StreamVerdict, GoodRecordingsAreTrustworthy) {
+  const unsigned seed = slom::testing::freshSeed();
+  for (unsigned k = 0; k < 4; ++k) {
+    const Calibrated rig(quickStream(seed + k));
+    ImuStream imu = rig.stream();
+    if (k % 2 == 1) imu.noise.reset();
+    const Verdict verdict = verdictWith(rig, {imu});
+    EXPECT_EQ(verdict.level, Verdict::Level::trustworthy) << seed + k << ": " << textOf(verdict);
+    EXPECT_TRUE(verdict.sentence.starts_with("The pose of imu0 is known to ")) << verdict.sentence;
+  }
+}
+
+TEST(StreamVerdict, AScaleIsNamedAndEstimated) {
+  const Calibrated rig(quickStream(slom::testing::freshSeed(), 12));
+  ImuStream imu = rig.stream();
+  for (ImuSample& sample : imu.samples) sample.gyro = vec3(1.03 * sample.gyro);
+  const Verdict verdict = verdictWith(rig, {imu});
+  EXPECT_EQ(verdict.level, Verdict::Level::doubtful) << textOf(verdict);
+  EXPECT_NE(textOf(verdict).find("the scales or axes of the IMU are not as stated"), std::string::npos)
+      << textOf(verdict);
+  StreamSettings other;
+  other.axes = ImuAxes::scale_misalignment;
+  for (const std::string& doubt : verdictWith(rig, {imu}, other).doubts)
+    EXPECT_NE(doubt.find("the recording determines "), std::string::npos) << doubt;
+}
+
+TEST(StreamVerdict, ADriftingClockIsADoubt) {
+  const Calibrated rig(quickStream(slom::testing::freshSeed(), 12));
+  ImuStream imu = rig.stream();
+  for (ImuSample& sample : imu.samples) sample.time *= 1.001;
+  const StreamResult result = rig.with({imu});
+  const Verdict verdict = verdictOf(result, rig.camera);
+  EXPECT_NE(verdict.level, Verdict::Level::trustworthy) << textOf(verdict);
+  if (result.success()) {
+    EXPECT_NE(textOf(verdict).find("the clock of imu0 drifts"), std::string::npos) << textOf(verdict);
+  }
+}
+
+TEST(StreamVerdict, AFitThatFailedIsNamed) {
+  const Calibrated rig(quickStream(3));
+  StreamResult result = rig.with({rig.stream()});
+  result.undetermined = "the position is open";
+  Verdict verdict = verdictOf(result, rig.camera);
+  EXPECT_EQ(textOf(verdict),
+            "failed: The fit of the IMU failed: the position is open. Its values must not be used.");
+  result.undetermined.clear();
+  result.converged = false;
+  result.message = "the limit of iterations";
+  EXPECT_EQ(verdictOf(result, rig.camera).sentence,
+            "The fit of the IMU failed: the limit of iterations. Its values must not be used.");
+}
+
+/// A recording of two cameras with line delays and an offset that no stamp shows. What the fit holds, the verdict tells.
+TEST(StreamVerdict, HeldClocksAndShuttersAreTold) {
+  app::StereoImuStreamOptions options = quickStream(slom::testing::freshSeed());
+  options.camera_phase = 0.003;
+  options.camera_offset = -0.003;
+  options.line_delay = 3e-5;
+  const app::StereoImuStreamData simulated = app::simulateStereoImuStream(options);
+  const Dataset data = datasetOf(options, simulated, 2);
+  ImuStream imu = streamOf(simulated);
+  imu.noise = options.noise;
+  for (const auto& [has_offsets, has_shutters] : {std::pair(false, true), {true, false}, {true, true}}) {
+    Settings settings;
+    settings.sigma_px = options.sigma_px;
+    settings.rolling_shutter = has_shutters;
+    StreamSettings stream;
+    stream.path = StreamPath::splines;
+    stream.camera_offsets = has_offsets;
+    const StreamResult result = calibrateMovingCameras(data, settings, {imu}, stream).result;
+    const std::string text = textOf(verdictOf(result, Result()));
+    SCOPED_TRACE(text);
+    EXPECT_EQ(text.find("if the clock of cam1 differs by -") != std::string::npos, !has_offsets);
+    EXPECT_EQ(text.find("if cam0 has a line delay of ") != std::string::npos, !has_shutters);
+    EXPECT_EQ(text.find("if cam1 has a line delay of ") != std::string::npos, !has_shutters);
+    EXPECT_EQ(text.substr(0, 11) == "trustworthy", has_offsets && has_shutters);
+  }
+}
+
+}  // namespace
+}  // namespace slom::calibration
