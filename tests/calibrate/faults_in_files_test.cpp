@@ -105,6 +105,15 @@ TEST(CalibrateFaults, ImuFileForACamera) {
                 "imu.csv:1: the header is \"image,ax_m_s2,ay_m_s2,az_m_s2,valid\"; it must be "
                 "\"image,corner,world_x_m,world_y_m,world_z_m,u_px,v_px\"");
 }
+TEST(CalibrateFaults, HeaderWithTimesOrWithoutPlaces) {
+  Files files;
+  files.left = "t_ns,corner,u,v\n0,0,1,2\n";
+  expectDataRefused(files,
+                    "left.csv:1: the header is \"t_ns,corner,u,v\"; it must be \"t_ns,corner,u_px,v_px\"");
+  files.left = "image,id,u_px,v_px\n0,0,1,2\n";
+  expectDataRefused(
+      files, "left.csv:1: the header is \"image,id,u_px,v_px\"; it must be \"image,corner,u_px,v_px\"");
+}
 TEST(CalibrateFaults, TooFewFields) {
   Files files;
   files.left = withLine(files.left, 5, "1,4,0.24,0,0,100");

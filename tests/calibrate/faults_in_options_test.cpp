@@ -128,6 +128,11 @@ TEST(CalibrateFaults, Fix) {
   expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--fix", "gravity"},
                 "--fix gravity: there is no IMU; add --imu FILE or drop --fix");
 }
+TEST(CalibrateFaults, NameOfAnImuAtRest) {
+  expectRefused(Files(), {"--camera", "left=DIR/left.csv", "--imu", "imu0=imu.csv"},
+                "--imu imu0=imu.csv: takes a file without a name; for an IMU in motion, give --imu-stream "
+                "imu0=imu.csv, and for readings at rest --imu imu.csv");
+}
 TEST(CalibrateFaults, Bound) {
   const auto with = [](const std::string& bound) {
     std::vector<std::string> options = usual();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "calibration/simulated_streams.hpp"
@@ -118,6 +119,28 @@ TEST(GrossReadings, RobustNoneKeepsThem) {
   EXPECT_TRUE(result.imus[0].gross.empty());
 }
 
+TEST(GrossReadings, MoreThanAHundredthAreKeptAndCounted) {
+  const auto seed = unsigned(::testing::UnitTest::GetInstance()->random_seed()) + 1;
+  std::mt19937 random(seed);
+  const Calibrated recording(quickStream(seed, 6));
+  ImuStream spoiled = recording.stream();
+  const std::size_t count = spoiled.samples.size() / 40;
+  for (std::size_t k = 0; k < count; ++k)
+    spoiled.samples[40 * k + std::uniform_int_distribution<std::size_t>(0, 20)(random)].force[1] += 30;
+  const StreamResult result = recording.with({spoiled});
+  ASSERT_FALSE(result.notes.empty()) << seed;
+  EXPECT_NE(result.notes[0].find(fmt::format("{} of {} readings jump", count, spoiled.samples.size())),
+            std::string::npos)
+      << seed << ": " << result.notes[0];
+  EXPECT_TRUE(result.imus[0].spikes.empty()) << seed;
+}
+
+void expectNoSpikes(const ImuStream& imu, const std::string& what) {
+  const Spikes found = spikesOf(imu);
+  EXPECT_TRUE(found.all.empty()) << what;
+  EXPECT_EQ(found.kept, 0u) << what;
+}
+
 /// Sensors that rest, move or are knocked, with fine and with coarse resolution.
 TEST(GrossReadings, AreNotFoundInGoodStreams) {
   const auto seed = unsigned(::testing::UnitTest::GetInstance()->random_seed()) + 1;
@@ -140,9 +163,9 @@ TEST(GrossReadings, AreNotFoundInGoodStreams) {
                   read(moving * (t > 10 ? 1 : 0), 0.003)),
              vec3(read(3 * moving * std::sin(30 * t), 0.03), read(0, 0.03), read(9.8, 0.03))});
       }
-      EXPECT_TRUE(spikesOf(imu).empty()) << seed << " " << step << " " << moving;
+      expectNoSpikes(imu, fmt::format("{} {} {}", seed, step, moving));
       imu.samples.erase(imu.samples.begin() + 1000, imu.samples.begin() + 1217);
-      EXPECT_TRUE(spikesOf(imu).empty()) << seed << ", with a gap";
+      expectNoSpikes(imu, fmt::format("{}, with a gap", seed));
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <map>
 
@@ -312,6 +313,16 @@ void requireSigma(const char* option, double value, const char* unit) {
                               least_sigma, most_sigma, unit));
 }
 
+/// Refuses a name before the file, as --imu-stream takes it.
+void refuseNamedImu(const std::string& text) {
+  const std::size_t end_of_name = text.find('=');
+  if (end_of_name == std::string::npos || std::filesystem::exists(text)) return;
+  throw UserError(fmt::format(
+      "--imu {0}: takes a file without a name; for an IMU in motion, give --imu-stream {0}, and for readings at rest "
+      "--imu {1}",
+      text, text.substr(end_of_name + 1)));
+}
+
 void checkPaths(const CommandSettings& settings) {
   std::vector<NamedFile> inputs;
   for (const CameraFile& camera : settings.cameras) {
@@ -417,7 +428,10 @@ CommandSettings parseSettings(const RawOptions& raw) {
         "with the numbers of their images",
         raw.imu_files.back()));
   }
-  if (!raw.imu_files.empty()) settings.imu_file = raw.imu_files.front();
+  if (!raw.imu_files.empty()) {
+    settings.imu_file = raw.imu_files.front();
+    refuseNamedImu(settings.imu_file);
+  }
   parseSources(raw, settings);
   settings.imu_streams = parseImuStreams(raw.imu_streams, raw.imu_noises, settings.cameras);
   settings.robust = parseRobust(raw.robust);

@@ -14,8 +14,8 @@ namespace slom::calibration {
 ///   doubtful      images and readings contradict each other, residuals are 1.5 times as large as the given noise predicts,
 ///                 the noise is 10 times that of a usual sensor, a sensor is saturated, a pose is known to 1 cm or
 ///                 0.5 degrees only or a clock to 1 ms only, images of cameras seem to have wrong times or rows that are
-///                 read one after the other, the clock of an IMU drifts, the halves of the recording disagree, or `agreement` has a
-///                 contradiction
+///                 read one after the other, the clock of an IMU drifts, estimated scales and axes of an IMU move its pose or clock
+///                 far, the halves of the recording disagree, or `agreement` has a contradiction
 ///   trustworthy   otherwise
 /// `cameras`: their result, with its assessment if there is one (Result::quality).
 Verdict verdictOf(const StreamResult& streams, const Result& cameras,

@@ -98,12 +98,13 @@ struct CornerTable {
   static std::optional<TimeUnit> timeIn(const std::vector<std::string>& header) {
     return header.empty() ? std::nullopt : timeUnitIn(header.front());
   }
-  /// Returns the columns that a file with this header should have: the usual ones unless the header is one of the others.
+  /// Returns the columns that a file with a header of this form should have: with times if it has some, and without places
+  /// on the board if it has four columns.
   static std::vector<std::string> expected(const std::vector<std::string>& header) {
     std::vector<std::string> all = corner_columns;
     if (timeIn(header)) all.front() = header.front();
     const std::vector<std::string> without{all[0], all[1], all[5], all[6]};
-    return header == all || header == without ? header : corner_columns;
+    return header.size() == without.size() ? without : all;
   }
   CornerTable(const std::string& file, const std::vector<std::string>& header, std::string&& text)
       : table(file, std::move(text), expected(header)),

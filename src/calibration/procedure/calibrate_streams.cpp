@@ -19,6 +19,7 @@
 #include "calibration/streams/doubt.hpp"
 #include "calibration/streams/forces.hpp"
 #include "calibration/streams/halves.hpp"
+#include "calibration/streams/held_axes.hpp"
 #include "calibration/streams/joint_fit.hpp"
 #include "calibration/streams/problem.hpp"
 #include "calibration/streams/splines/fit.hpp"
@@ -168,6 +169,17 @@ StreamResult fitByPreintegration(const Dataset& data, const std::vector<RigAtIma
   return result;
 }
 
+/// Fits the way that `stream` wants. `fitted` receives the cameras.
+StreamResult fit(const Dataset& data, const std::vector<RigAtImage>& images, const StreamSettings& stream,
+                 Stage& stage, CamerasAt& fitted) {
+  const Options options = optionsOfStreams(stage.settings);
+  if (stream.path == StreamPath::preintegration)
+    return fitByPreintegration(data, images, options, stream.gravity, stage, fitted);
+  return fitBySplines({data, stage.settings, images, stream.gravity, stream.knot_spacing, {}},
+                      {stage.settings.sigma_px, stage.cameras, stage.imus, stage.up}, stream, options,
+                      [&](const SplineProblem& problem) { fitted = problem.values().cameras; });
+}
+
 void requireGoodSettings(const StreamSettings& stream) {
   if (stream.camera_offsets)
     throw DataError(
@@ -198,38 +210,29 @@ StreamResult calibrateStreams(const Dataset& data, const Settings& given, const 
   std::int64_t epoch_ns = 0;
   const std::vector<RigAtImage> images = rigAtImages(*on_board, cameras, epoch_ns);
   UsableStreams usable(imus, given.robust);
-  const auto start = [&](const StreamSettings& wanted) {
+  const auto start = [&] {
     Stage stage{settingsOfStreams(given, cameras),
                 valuesOf(cameras),
-                startImus(usable.streams(), images, epoch_ns, wanted),
+                startImus(usable.streams(), images, epoch_ns, stream),
                 {}};
     for (std::size_t i = 0; i < stage.imus.size(); ++i) stage.imus[i].jumps = usable.jumps()[i];
     stage.up = upByForces(usable.streams().front(), images, stage.imus.front().start);
     return stage;
   };
-  const auto fit = [&](Stage stage, const StreamSettings& wanted, CamerasAt& fitted) {
-    const Options options = optionsOfStreams(stage.settings);
-    if (wanted.path == StreamPath::preintegration)
-      return fitByPreintegration(*on_board, images, options, wanted.gravity, stage, fitted);
-    return fitBySplines({*on_board, stage.settings, images, wanted.gravity, wanted.knot_spacing, {}},
-                        {stage.settings.sigma_px, stage.cameras, stage.imus, stage.up}, wanted, options,
-                        [&](const SplineProblem& problem) { fitted = problem.values().cameras; });
-  };
-  Stage stage = start(stream);
+  Stage stage = start();
   if (given.robust != Robust::none &&
       usable.remove(findGrossReadings(*on_board, stage.settings, stage.cameras, images, stage.up, stage.imus,
                                       stream.gravity)))
-    stage = start(stream);
+    stage = start();
   if (given.robust != Robust::none &&
       usable.remove(findBiasJumps(*on_board, stage.settings, stage.cameras, images, stage.up, stage.imus,
                                   stream.gravity)))
-    stage = start(stream);
+    stage = start();
   CamerasAt fitted;
-  StreamResult result = fit(std::move(stage), stream, fitted);
-  doubtAxes(stream, result, [&](const StreamSettings& other) {
-    CamerasAt unused;
-    return fit(start(other), other, unused);
-  });
+  StreamResult result = fit(*on_board, images, stream, stage, fitted);
+  if (stream.axes == ImuAxes::calibrated)
+    doubtHeldAxes(*on_board, stage.settings, fitted, images, stage.imus, stream.gravity,
+                  optionsOfStreams(stage.settings), result);
   completeResult(cameras, fitted, imus, epoch_ns, true, result);
   noteOtherTimes(*on_board, result);
   usable.report(result);

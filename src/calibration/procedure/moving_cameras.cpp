@@ -18,6 +18,7 @@
 #include "calibration/streams/bias_jumps.hpp"
 #include "calibration/streams/check.hpp"
 #include "calibration/streams/forces.hpp"
+#include "calibration/streams/held_axes.hpp"
 #include "calibration/streams/joint_fit.hpp"
 #include "calibration/streams/splines/fit.hpp"
 #include "calibration/streams/usable_streams.hpp"
@@ -175,13 +176,13 @@ Result joined(const std::vector<Alone>& all) {
 RatesStart startOf(const Alone& camera, const Alone& reference, const ImuStream& imu) {
   try {
     return startByRates(imu, camera.images, {});
-  } catch (const DataError&) {  // not the fault of the IMU
-    throw DataError(
-        "slom.calibration.no-motion",
-        {.place = nameOf(camera.data.cameras.front()),
-         .fault = fmt::format("the turns of this camera do not follow the readings of {}, and those of {} do",
-                              imu.name, reference.data.cameras.front().name),
-         .remedy = "give images of the same recording"});
+  } catch (const DataError& error) {  // not the fault of the IMU
+    throw DataError(error.id(),
+                    {.place = nameOf(camera.data.cameras.front()),
+                     .fault = fmt::format(
+                         "the turns of {} follow the readings of {}, and those of this camera do not: {}",
+                         reference.data.cameras.front().name, imu.name, error.parts().fault),
+                     .remedy = error.parts().remedy});
   }
 }
 
@@ -290,6 +291,9 @@ MovingCameras calibrateMovingCameras(const Dataset& data, const Settings& given,
         fitted = problem.values().cameras;
         moving.simultaneous = withGivenNumbers(problem.simultaneous(apart.data), apart);
       });
+  if (!given.rolling_shutter && stream.axes == ImuAxes::calibrated)
+    doubtHeldAxes(all.front().data, settings, valuesOf(all.front().result), images, started, stream.gravity,
+                  optionsOfStreams(settings), moving.result);
   completeResult(cameras, fitted, imus, epoch_ns, !given.rolling_shutter, moving.result);
   usable.report(moving.result);
   for (std::size_t c = 0; c < all.size(); ++c) {

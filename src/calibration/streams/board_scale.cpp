@@ -21,7 +21,7 @@ bool isOtherSize(const BoardScale& scale) {
 }
 
 BoardScale StreamProblem::boardScale(const Options& options) {
-  est_.optimizeRV(board_scale_, true);
+  freeBoardScale();
   if (!optimize(options).converged) return {};
   return boardScaleOf(est_, board_scale_, [&] { return byBlocks(); });
 }

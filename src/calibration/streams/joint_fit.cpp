@@ -52,18 +52,6 @@ void addCameraChange(const Result& cameras, const CamerasAt& now, StreamResult& 
   }
 }
 
-/// Returns how many times the residuals of the IMUs are as large as they may be: as the given noise predicts, or as a
-/// usual sensor has.
-double excessOf(const StreamResult& result) {
-  double most = 0;
-  for (const ImuStreamResult& imu : result.imus)
-    most = std::max(most, imu.noise_is_given ? std::max(imu.gyro_ratio, imu.force_ratio) / far_off_ratio
-                                             : std::max(imu.noise.gyro / usual_noise.gyro,
-                                                        imu.noise.force / usual_noise.force) /
-                                                   much_noise);
-  return most;
-}
-
 constexpr const char* causes_of_misfit =
     "check whether the IMU is fixed to the cameras, the size of the board, and whether its clock drifts, its bias jumps or "
     "readings are missing";
@@ -140,23 +128,15 @@ std::vector<StartedImu> startImus(const std::vector<ImuStream>& imus, const std:
   return all;
 }
 
-void doubtAxes(const StreamSettings& stream, StreamResult& result,
-               const std::function<StreamResult(const StreamSettings&)>& fit) {
-  constexpr double much_smaller = 3;  // saturated axes become half as large
-  if (stream.axes != ImuAxes::calibrated || !result.success()) return;
-  const double excess = excessOf(result);
-  if (!(excess > 1)) return;
-  StreamSettings other = stream;
-  other.axes = ImuAxes::scale_misalignment;
-  other.progress = {};
-  const StreamResult freed = fit(other);
-  if (freed.success() && excessOf(freed) * much_smaller < excess)
-    addDoubt(
-        fmt::format(
-            "the scales or axes of the IMU are not as stated, because residuals are {} times as large as with "
-            "estimated ones",
-            twoDigits(excess / excessOf(freed))),
-        "add --imu-model scale-misalignment.", result);
+double excessOf(const StreamResult& result) {
+  double most = 0;
+  for (const ImuStreamResult& imu : result.imus) {
+    const double gyro = imu.noise.gyro / usual_noise.gyro, force = imu.noise.force / usual_noise.force;
+    most = std::max(most, imu.noise_is_given
+                              ? std::max(imu.gyro_ratio, imu.force_ratio) / far_off_ratio
+                              : std::max(gyro * imu.gyro_ratio, force * imu.force_ratio) / much_noise);
+  }
+  return most;
 }
 
 void completeResult(const Result& cameras, const CamerasAt& fitted, const std::vector<ImuStream>& imus,

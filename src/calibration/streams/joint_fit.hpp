@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "calibration/streams/condensed.hpp"
@@ -23,10 +22,9 @@ Options optionsOfStreams(const Settings& settings);
 std::vector<StartedImu> startImus(const std::vector<ImuStream>& imus, const std::vector<RigAtImage>& images,
                                   std::int64_t epoch_ns, const StreamSettings& stream);
 
-/// Doubts that the axes of the IMUs are calibrated if the residuals are too large, and `fit` makes them less than a third as
-/// large with errors of axes.
-void doubtAxes(const StreamSettings& stream, StreamResult& result,
-               const std::function<StreamResult(const StreamSettings&)>& fit);
+/// Returns how many times the residuals of the IMUs are as large as they may be: as the given noise predicts, or 10 times
+/// as large as those of a usual sensor.
+double excessOf(const StreamResult& result);
 
 /// Adds to the result how far it moves the cameras from their own fit, and notes. Refers the offsets of the IMUs to the
 /// epochs of the clocks. `is_comparable`: whether the cameras' own fit has the same model, so that a long way is worth a

@@ -6,14 +6,14 @@
 
 #include <slom/slom.hpp>
 
-#include "slom/calibration/types.hpp"
+#include "slom/calibration/imu_stream.hpp"
 
 namespace slom::calibration {
 
-/// Returns the standard deviation of the mean of a bias, given at many times: from the joint covariance of 16 of them,
+/// Returns the standard deviation of the mean of a bias, given at many times: from the joint covariance of a few of them,
 /// spread evenly, because a bias changes slowly. `covariances`: an Estimator or Clustered. `biases`: a container of VarID.
+template <std::size_t few>
 vec3 meanBiasDeviation(const auto& covariances, const auto& biases) {
-  constexpr std::size_t few = 16;
   if (biases.size() < few) return vec3(covariances.standardDeviation(biases[biases.size() / 2]));
   const auto at = [&](std::size_t i) -> const VarID<vec3>& {
     return biases[(2 * i + 1) * biases.size() / (2 * few)];
@@ -29,11 +29,25 @@ vec3 meanBiasDeviation(const auto& covariances, const auto& biases) {
   return vec3(variance.cwiseSqrt());
 }
 
-/// Writes the standard deviations of both biases.
-void setBiasDeviations(const auto& covariances, const auto& gyro, const auto& force, vec3& gyro_std,
-                       vec3& force_std) {
-  gyro_std = meanBiasDeviation(covariances, gyro);
-  force_std = meanBiasDeviation(covariances, force);
+/// Returns the clustered standard deviation of that mean: as many times the stated one, `stated`, as for the mean of 4 of
+/// them, because each clustered covariance takes long.
+vec3 clusteredBiasDeviation(const Estimator& est, const Clustered& clustered, const auto& biases,
+                            const vec3& stated) {
+  const vec3 of_few = meanBiasDeviation<4>(est, biases);
+  return vec3(meanBiasDeviation<4>(clustered, biases).cwiseQuotient(of_few).cwiseProduct(stated));
+}
+
+/// Writes the stated standard deviations of both biases.
+void setBiasDeviations(const Estimator& est, const auto& gyro, const auto& force, ImuStreamResult& imu) {
+  imu.gyro_bias_std = meanBiasDeviation<16>(est, gyro);
+  imu.force_bias_std = meanBiasDeviation<16>(est, force);
+}
+
+/// Writes the clustered ones, after the stated ones.
+void setBiasDeviations(const Estimator& est, const Clustered& clustered, const auto& gyro, const auto& force,
+                       ImuStreamResult& imu) {
+  imu.gyro_bias_clustered = clusteredBiasDeviation(est, clustered, gyro, imu.gyro_bias_std);
+  imu.force_bias_clustered = clusteredBiasDeviation(est, clustered, force, imu.force_bias_std);
 }
 
 }  // namespace slom::calibration

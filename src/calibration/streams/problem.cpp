@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -299,6 +300,32 @@ std::vector<ImuStreamResult> StreamProblem::posesOfImus() const {
   return all;
 }
 
+std::vector<ImuStreamResult> StreamProblem::posesAndRatios() const {
+  std::vector<ImuStreamResult> all = posesOfImus();
+  for (std::size_t i = 0; i < imus_.size(); ++i) {
+    all[i].noise = imus_[i].noise;
+    all[i].noise_is_given = imus_[i].stream->noise.has_value();
+    const Ratios ratios = ratiosOf(imus_[i]);
+    all[i].gyro_ratio = ratios.gyro;
+    all[i].force_ratio = ratios.force;
+  }
+  return all;
+}
+
+bool StreamProblem::hasErrorOfAxes(std::size_t imu, double deviations) const {
+  const AxesVariables& axes = imus_[imu].axes;
+  const auto exceeds = [&](const auto& id, const Eigen::VectorXd& std) {
+    return (id->cwiseAbs().array() > deviations * std.array()).any();
+  };
+  std::optional<Clustered> clustered;
+  const auto is_off = [&](const auto& id) {
+    if (!exceeds(id, est_.standardDeviation(id))) return false;
+    if (!clustered) clustered = byBlocks();
+    return exceeds(id, est_.standardDeviation(id).cwiseMax(clustered->standardDeviation(id)));
+  };
+  return axes.exist() && (is_off(axes.gyro_axes) || is_off(axes.force_axes) || is_off(axes.gyro_by_force));
+}
+
 void StreamProblem::addStandardDeviations(StreamResult& result) {
   result.gravity_direction_std = est_.standardDeviation(up_).maxCoeff();
   for (std::size_t i = 0; i < imus_.size(); ++i) {
@@ -308,8 +335,7 @@ void StreamProblem::addStandardDeviations(StreamResult& result) {
     setPoseDeviations(pose, imu);
     imu.time_offset_std = est_.standardDeviation(imus_[i].offset)[0];
     imu.axes.std = imus_[i].axes.ofEach([&](const auto& id) { return est_.standardDeviation(id); });
-    setBiasDeviations(est_, imus_[i].gyro_biases, imus_[i].force_biases, imu.gyro_bias_std,
-                      imu.force_bias_std);
+    setBiasDeviations(est_, imus_[i].gyro_biases, imus_[i].force_biases, imu);
     for (std::string& sentence : uncertainOf(imu, pose)) result.notes.push_back(std::move(sentence));
     const Ratios ratios = ratiosOf(imus_[i]);
     imu.gyro_ratio = ratios.gyro;
@@ -331,8 +357,7 @@ void StreamProblem::addClustered(StreamResult& result) {
     setClusteredDeviations(clustered.covariance(imus_[i].left2imu), imu);
     imu.axes.std_clustered =
         imus_[i].axes.ofEach([&](const auto& id) { return clustered.standardDeviation(id); });
-    setBiasDeviations(clustered, imus_[i].gyro_biases, imus_[i].force_biases, imu.gyro_bias_clustered,
-                      imu.force_bias_clustered);
+    setBiasDeviations(est_, clustered, imus_[i].gyro_biases, imus_[i].force_biases, imu);
     imu.time_offset_clustered = clustered.standardDeviation(imus_[i].offset)[0];
   }
 }

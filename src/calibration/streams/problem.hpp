@@ -66,9 +66,16 @@ class StreamProblem {
   /// Fits all values again, now with the size of the board, and returns it. Corners fit any size; the readings tell it,
   /// because gravity is known. Throws slom::Error if the data leave something open.
   BoardScale boardScale(const Options& options);
+  /// Makes the size of the board a variable.
+  void freeBoardScale() { est_.optimizeRV(board_scale_, true); }
   /// Returns the poses and clocks of the IMUs, with stated standard deviations alone. Throws slom::Error if the data
   /// leave something open.
   std::vector<ImuStreamResult> posesOfImus() const;
+  /// Returns these, with the residuals relative to what the noise predicts. Throws likewise.
+  std::vector<ImuStreamResult> posesAndRatios() const;
+  /// Returns whether an error of the axes of an IMU is more than so many standard deviations, stated and clustered.
+  /// Clusters errors that are so by the stated ones, because clustering takes long. Throws likewise.
+  bool hasErrorOfAxes(std::size_t imu, double deviations) const;
   mtk::S2<> up() const { return *up_; }
   CamerasAt cameras() const;
 

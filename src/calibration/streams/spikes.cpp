@@ -91,9 +91,10 @@ std::size_t countReadings(const std::vector<ImuSpike>& spikes) {
 
 }  // namespace
 
-std::vector<ImuSpike> spikesOf(const ImuStream& imu) {
-  std::vector<ImuSpike> spikes;
-  if (imu.samples.size() < fewest) return spikes;
+Spikes spikesOf(const ImuStream& imu) {
+  Spikes found;
+  std::vector<ImuSpike>& spikes = found.all;
+  if (imu.samples.size() < fewest) return found;
   const std::vector<bool> has_neighbours = neighboursOf(imu);
   for (int axis = 0; axis < 6; ++axis) {
     std::vector<double> values;
@@ -103,8 +104,9 @@ std::vector<ImuSpike> spikesOf(const ImuStream& imu) {
   }
   std::stable_sort(spikes.begin(), spikes.end(),
                    [](const ImuSpike& a, const ImuSpike& b) { return a.sample < b.sample; });
-  if (100 * countReadings(spikes) > imu.samples.size()) return {};
-  return spikes;
+  if (const std::size_t readings = countReadings(spikes); 100 * readings > imu.samples.size())
+    found = {{}, readings};
+  return found;
 }
 
 ImuStream withoutSpikes(ImuStream imu, const std::vector<ImuSpike>& spikes) {
@@ -118,7 +120,13 @@ ImuStream withoutSpikes(ImuStream imu, const std::vector<ImuSpike>& spikes) {
   return imu;
 }
 
-std::string noteOn(const std::vector<ImuSpike>& spikes, const ImuStream& imu) {
+std::string noteOn(const Spikes& found, const ImuStream& imu) {
+  const std::vector<ImuSpike>& spikes = found.all;
+  if (found.kept > 0)
+    return fmt::format(
+        "{}: {} of {} readings jump off the readings around. So many may be knocks of the rig and were kept: if it "
+        "was not knocked, check the sensor and its transfer.",
+        nameOf(imu), found.kept, imu.samples.size());
   if (spikes.empty()) return {};
   constexpr std::size_t most_named = 4;
   const std::size_t readings = countReadings(spikes);

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "calibration/streams/check.hpp"
-#include "calibration/streams/spikes.hpp"
 
 namespace slom::calibration {
 
@@ -14,8 +13,8 @@ UsableStreams::UsableStreams(const std::vector<ImuStream>& imus, Robust robust)
     : given_(imus), robust_(robust), gross_(imus.size()), jumps_(imus.size()) {
   for (const ImuStream& imu : imus) {
     requireGoodStream(imu);
-    spikes_.push_back(robust == Robust::none ? std::vector<ImuSpike>() : spikesOf(imu));
-    used_.push_back(withoutSpikes(imu, spikes_.back()));
+    spikes_.push_back(robust == Robust::none ? Spikes() : spikesOf(imu));
+    used_.push_back(withoutSpikes(imu, spikes_.back().all));
   }
 }
 
@@ -46,7 +45,7 @@ bool UsableStreams::remove(std::vector<std::vector<BiasJump>> jumps) {
 void UsableStreams::report(StreamResult& result) const {
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < given_.size(); ++i) {
-    result.imus[i].spikes = spikes_[i];
+    result.imus[i].spikes = spikes_[i].all;
     result.imus[i].gross = gross_[i];
     result.imus[i].jumps = jumps_[i];
     for (std::string note :

@@ -5,6 +5,7 @@
 
 #include "calibration/streams/bias_jumps.hpp"
 #include "calibration/streams/gross_readings.hpp"
+#include "calibration/streams/spikes.hpp"
 #include "slom/calibration/options.hpp"
 
 namespace slom::calibration {
@@ -32,7 +33,7 @@ class UsableStreams {
   const std::vector<ImuStream>& given_;
   Robust robust_;
   std::vector<ImuStream> used_;
-  std::vector<std::vector<ImuSpike>> spikes_;
+  std::vector<Spikes> spikes_;
   std::vector<std::vector<GrossReadings>> gross_;
   std::vector<std::vector<BiasJump>> jumps_;
 };

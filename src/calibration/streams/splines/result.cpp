@@ -115,8 +115,7 @@ void SplineProblem::addStandardDeviations(StreamResult& result) {
     setPoseDeviations(pose, imu);
     imu.time_offset_std = est_.standardDeviation(imus_[i].offset)[0];
     imu.axes.std = imus_[i].axes.ofEach([&](const auto& id) { return est_.standardDeviation(id); });
-    setBiasDeviations(est_, imus_[i].gyro_bias.controls(), imus_[i].force_bias.controls(), imu.gyro_bias_std,
-                      imu.force_bias_std);
+    setBiasDeviations(est_, imus_[i].gyro_bias.controls(), imus_[i].force_bias.controls(), imu);
     for (std::string& sentence : uncertainOf(imu, pose)) result.notes.push_back(std::move(sentence));
     const Ratios ratios = ratiosOf(imus_[i]);
     imu.gyro_ratio = ratios.gyro;
@@ -149,8 +148,7 @@ void SplineProblem::addClustered(StreamResult& result) {
     setClusteredDeviations(clustered.covariance(imus_[i].left2imu), imu);
     imu.axes.std_clustered =
         imus_[i].axes.ofEach([&](const auto& id) { return clustered.standardDeviation(id); });
-    setBiasDeviations(clustered, imus_[i].gyro_bias.controls(), imus_[i].force_bias.controls(),
-                      imu.gyro_bias_clustered, imu.force_bias_clustered);
+    setBiasDeviations(est_, clustered, imus_[i].gyro_bias.controls(), imus_[i].force_bias.controls(), imu);
     imu.time_offset_clustered = clustered.standardDeviation(imus_[i].offset)[0];
   }
 }
