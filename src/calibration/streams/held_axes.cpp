@@ -16,7 +16,7 @@ namespace slom::calibration {
 namespace {
 
 constexpr double significant = 5;   // standard deviations of an error of an axis
-constexpr double far = 3;           // standard deviations that the pose or the clock moves
+constexpr double far_away = 3;      // standard deviations that the pose or the clock moves
 constexpr double much_smaller = 3;  // residuals; saturated axes become half as large
 
 /// Returns how far the poses and clocks of the IMUs move from one fit to another, in standard deviations of the first.
@@ -47,7 +47,7 @@ void doubtByMoves(const StreamProblem& problem, const StreamResult& freed, Strea
   const StreamAgreement move = moves(result, freed);
   for (std::size_t i = 0; i < result.imus.size(); ++i) {
     const auto [deviations, name] = move.imus[i].largest();
-    if (deviations > far && problem.hasErrorOfAxes(i, significant))
+    if (deviations > far_away && problem.hasErrorOfAxes(i, significant))
       addDoubt(fmt::format("with estimated scales and axes of {}, {} moves by {} standard deviations",
                            result.imus[i].name, name, twoDigits(deviations)),
                "add --imu-model scale-misalignment.", result);
