@@ -32,9 +32,9 @@ YAML, JSON with image_points) are read too; add --board and --square if they do 
 )";
 
 constexpr const char* footer_text =
-    R"(Exit code: 0 success, also if the verdict is doubtful; 1 the fit did not converge or is not determined
-(the report says why), images contradict each other, the run was cut short, or standard output could
-not be written; 2 wrong options or data.)";
+    R"(Exit code: 0 success, also if the verdict is doubtful; 1 the fit did not converge or is not
+determined (the report says why), images contradict each other, the run was cut short, or standard
+output could not be written; 2 wrong options or data.)";
 
 /// Returns lines such as `opencv4: fx fy cx cy k1 k2 p1 p2`, one for each model.
 std::string modelTable() {
