@@ -6,6 +6,7 @@
 #include <mtk/build_manifold.hpp>
 #include <slom/filter.hpp>
 
+#include "differences.hpp"
 #include "random_matrices.hpp"
 #include "support/fresh_seed.hpp"
 
@@ -35,10 +36,10 @@ template <class State, class F>
 void expectDerivative(const State& x, const F& f, double tolerance) {
   constexpr int n = mtk::DOF_v<State>;
   const State y = f(x);
-  detail::SquareMatrix<double, n> exact, numeric;
+  detail::SquareMatrix<double, n> exact;
   detail::linearizeMotion(exact, f, y, std::tuple<const State&>(x));
-  detail::differentiateNumerically(
-      numeric, [&](const State& moved) { return mtk::difference<State>(f(moved), y); }, x);
+  const auto numeric =
+      byDifferences<n>(x, [&](const State& moved) { return mtk::difference<State>(f(moved), y); });
   EXPECT_LT((exact - numeric).norm(), tolerance * (1 + exact.norm()));
 }
 

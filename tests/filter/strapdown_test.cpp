@@ -4,6 +4,7 @@
 #include <slom/filter.hpp>
 #include <slom/filter/consistency.hpp>
 
+#include "differences.hpp"
 #include "random_matrices.hpp"
 #include "support/fresh_seed.hpp"
 
@@ -16,9 +17,10 @@ using Navigation = filter::StrapdownState<>;
 template <class H, class... A>
 void expectExactDerivative(const Navigation& x, const H& h, const A&... data) {
   const detail::MeasurementFunction<H, Navigation, std::nullptr_t, A...> function(h, nullptr, data...);
-  typename std::remove_const_t<decltype(function)>::Jacobian exact, numeric;
+  using Function = std::remove_const_t<decltype(function)>;
+  typename Function::Jacobian exact;
   function.differentiate(x, exact);
-  detail::differentiateNumerically(numeric, function, x);
+  const auto numeric = byDifferences<Function::rows>(x, function);
   EXPECT_LT((exact - numeric).norm(), 1e-9 * (1 + exact.norm())) << exact << "\n\n" << numeric;
 }
 
