@@ -49,7 +49,7 @@ TEST(StreamVerdict, AScaleIsNamedAndEstimated) {
 }
 
 /// Without the noise of the readings, a fit takes errors of axes for noise.
-TEST(StreamVerdict, ASmallScaleIsNamedBySplinesWithoutNoiseToo) {
+TEST(StreamVerdict, ASmallScaleIsDoubtedBySplinesWithoutNoiseToo) {
   const Calibrated rig(quickStream(slom::testing::freshSeed(), 12));
   StreamSettings splines;
   splines.path = StreamPath::splines;
@@ -59,8 +59,7 @@ TEST(StreamVerdict, ASmallScaleIsNamedBySplinesWithoutNoiseToo) {
   EXPECT_EQ(good.level, Verdict::Level::trustworthy) << textOf(good);
   for (ImuSample& sample : imu.samples) sample.gyro = vec3(1.015 * sample.gyro);
   const Verdict scaled = verdictWith(rig, {imu}, splines);
-  EXPECT_NE(textOf(scaled).find("with estimated scales and axes of imu0, imu0."), std::string::npos)
-      << textOf(scaled);
+  EXPECT_EQ(scaled.level, Verdict::Level::doubtful) << textOf(scaled);
 }
 
 TEST(StreamVerdict, ADriftingClockIsADoubt) {
