@@ -156,4 +156,13 @@ void noteFaults(const ImuStream& imu, StreamResult& result) {
   }
 }
 
+bool isSaturated(const ImuStream& imu) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (saturated(imu, [&](const ImuSample& s) { return s.gyro[axis]; }) > 0 ||
+        saturated(imu, [&](const ImuSample& s) { return s.force[axis]; }) > 0)
+      return true;
+  }
+  return false;
+}
+
 }  // namespace slom::calibration

@@ -28,4 +28,7 @@ std::vector<std::pair<double, double>> gapsOf(const ImuStream& imu);
 /// Notes gaps, and doubts axes that stay at their largest reading as those of a saturated sensor do.
 void noteFaults(const ImuStream& imu, StreamResult& result);
 
+/// Returns whether readings of an axis stay at its largest magnitude.
+bool isSaturated(const ImuStream& imu);
+
 }  // namespace slom::calibration

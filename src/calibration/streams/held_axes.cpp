@@ -1,11 +1,13 @@
 #include "calibration/streams/held_axes.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "calibration/streams/check.hpp"
 #include "calibration/streams/doubt.hpp"
 #include "calibration/streams/joint_fit.hpp"
 #include "slom/calibration/error.hpp"
@@ -17,7 +19,7 @@ namespace {
 
 constexpr double significant = 5;   // standard deviations of an error of an axis
 constexpr double far_away = 3;      // standard deviations that the pose or the clock moves
-constexpr double much_smaller = 3;  // residuals; saturated axes become half as large
+constexpr double much_smaller = 3;  // residuals
 
 /// Returns how far the poses and clocks of the IMUs move from one fit to another, in standard deviations of the first.
 StreamAgreement moves(const StreamResult& held, const StreamResult& freed) {
@@ -71,7 +73,8 @@ void doubtByResiduals(const StreamResult& freed, StreamResult& result) {
 void doubtHeldAxes(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
                    const std::vector<RigAtImage>& images, std::vector<StartedImu> imus, double gravity,
                    const Options& options, StreamResult& result) {
-  if (!result.success()) return;
+  const auto is_saturated = [](const StartedImu& imu) { return isSaturated(*imu.stream); };
+  if (!result.success() || std::any_of(imus.begin(), imus.end(), is_saturated)) return;
   try {
     Settings at = settings;
     at.sigma_px = result.sigma_px;
