@@ -9,7 +9,6 @@ file(GLOB_RECURSE slom_calibration_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_D
 add_library(slom_calibration ${slom_calibration_sources})
 add_library(slom::calibration ALIAS slom_calibration)
 slom_own_target(slom_calibration)
-slom_fuzzed(slom_calibration)
 target_include_directories(slom_calibration PRIVATE "${PROJECT_SOURCE_DIR}/src")
 set_target_properties(slom_calibration PROPERTIES EXPORT_NAME calibration)
 target_link_libraries(slom_calibration PUBLIC slom PRIVATE slom_io fmt::fmt)

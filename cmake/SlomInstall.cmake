@@ -4,14 +4,16 @@ include(CMakePackageConfigHelpers)
 set(slom_package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/slom")
 
 set(slom_not_installed "")
-if(NOT TARGET slom_calibration)
-  set(slom_not_installed REGEX "/slom/calibration(/|[.]hpp$)" EXCLUDE)
-endif()
+foreach(room IN ITEMS calibration distributed)
+  if(NOT TARGET slom_${room})
+    list(APPEND slom_not_installed REGEX "/slom/${room}(/|[.]hpp$)" EXCLUDE)
+  endif()
+endforeach()
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development
         FILES_MATCHING PATTERN "*.hpp" ${slom_not_installed})
 install(TARGETS mtk EXPORT mtk_targets)
 install(EXPORT mtk_targets NAMESPACE mtk:: DESTINATION "${slom_package_dir}" COMPONENT development)
-foreach(library IN ITEMS slom slom_io slom_calibration)
+foreach(library IN ITEMS slom slom_io slom_calibration slom_distributed)
   if(TARGET ${library})
     install(TARGETS ${library} EXPORT ${library}_targets
             LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT libraries NAMELINK_COMPONENT development

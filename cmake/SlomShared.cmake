@@ -31,7 +31,7 @@ function(slom_exports target)
     set(namespace "slom::${ARGN}")
     list(FILTER headers INCLUDE REGEX "^slom/(slom|${ARGN}(/.*)?)[.]hpp$")
   else()
-    list(FILTER headers EXCLUDE REGEX "^slom/(io|calibration|filter)(/.*)?[.]hpp$")  # filters are headers alone
+    list(FILTER headers EXCLUDE REGEX "^slom/(io|calibration|distributed|filter)(/.*)?[.]hpp$")  # filters are headers alone
   endif()
   list(TRANSFORM headers REPLACE "(.+)" "#include <\\1>")
   list(JOIN headers "\n" headers)

@@ -10,7 +10,8 @@ function(slom_own_target target)
   endif()
 endfunction()
 
-# slom_fuzzed(<target>): counts for the fuzzer which of its branches an input takes, where the fuzzer is built.
+# slom_fuzzed(<target>): counts for the fuzzer which of its branches an input takes, where the fuzzer is built. Readers and the command are
+# counted. Algorithms branch by numbers, which say little about the kind of an input.
 function(slom_fuzzed target)
   if(SLOM_BUILD_FUZZERS)
     target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)

@@ -1,5 +1,6 @@
 // The command slom: subcommands, and the handling of errors.
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -7,6 +8,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <thread>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -18,6 +20,7 @@
 #include "error.hpp"
 #include "help.hpp"
 #include "printable.hpp"
+#include "processes.hpp"
 
 namespace slom::app {
 // Each subcommand that is built adds itself.
@@ -55,6 +58,16 @@ class HelpFormatter : public CLI::Formatter {
   }
 };
 
+/// Prints an error. Of several processes that have not begun to work together, the first one speaks for all. The others
+/// give it time, because mpirun ends all processes as soon as one fails.
+void sayForAll(const std::string& text) {
+  if (processNumber() == 0) {
+    sayError(text);
+  } else {
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+}
+
 /// Returns the exit code for an exception by which CLI11 ends parsing. There are 3 kinds: --help and --version;
 /// CLI::RuntimeError, with the exit code of a subcommand that has already reported its failure; and wrong options,
 /// which are reported here.
@@ -67,12 +80,12 @@ int endParsing(const CLI::App& app, const CLI::ParseError& error) {
   std::string text = error.what();
   if (subcommands.empty() && !app.remaining().empty())
     text = app.remaining().front() + " is not a subcommand";
-  sayError(fmt::format("slom: {}; see slom{} --help\n", oneLine(text), command));
+  sayForAll(fmt::format("slom: {}; see slom{} --help\n", oneLine(text), command));
   return exit_user_error;
 }
 
 int fail(const std::string& sentence, int exit_code) {
-  sayError(fmt::format("slom: {}\n", oneLine(sentence)));
+  sayForAll(fmt::format("slom: {}\n", oneLine(sentence)));
   return exit_code;
 }
 
@@ -98,6 +111,7 @@ int afterOutput(int exit_code) {
 
 int run(CLI::App& app, int argc, char** argv) {
   try {
+    requireProcesses(argc > 1 ? argv[1] : "");
     app.parse(argc, argv);
     return exit_success;
   } catch (const CLI::ParseError& error) {
@@ -118,6 +132,8 @@ int run(CLI::App& app, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   occupyStandardStreams();
+  prepareProcesses(argv);
+  if (processNumber() > 0 && std::freopen("/dev/null", "w", stdout) == nullptr) return exit_not_converged;
   CLI::App app(
       "slom calibrate --camera left=left_corners.csv --camera right=right_corners.csv --json result.json\n\n"
       "Sparse least squares on manifolds: fit models to measurements, with the uncertainty of each value.\n",

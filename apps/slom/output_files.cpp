@@ -86,23 +86,6 @@ mode_t newFileMode() {
   return 0666 & ~mask;
 }
 
-/// An open file, closed at the end of its scope.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  int number() const { return number_; }
-  /// Closes the file. Returns whether all data reached it.
-  bool close() { return ::close(std::exchange(number_, -1)) == 0; }
-
- private:
-  int number_;
-};
-
 bool writeAll(int descriptor, std::string_view content) {
   while (!content.empty()) {
     const ssize_t written = ::write(descriptor, content.data(), content.size());
@@ -154,10 +137,17 @@ void requireWritable(const std::vector<std::string>& files) {
 }
 
 OutputFiles::~OutputFiles() {
+  if (descriptor_ >= 0) ::close(descriptor_);
   for (const File& file : files_) removeUnfinished(file.temporary);
 }
 
 void OutputFiles::add(const fs::path& name, std::string_view content) {
+  open(name);
+  append(content);
+  close();
+}
+
+void OutputFiles::open(const fs::path& name) {
   const fs::path path = resolved(name);
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) cannotWrite(name, "it is a folder");
@@ -165,16 +155,21 @@ void OutputFiles::add(const fs::path& name, std::string_view content) {
   // follow a link that somebody may have put there.
   const fs::path temporary = path.parent_path() / (".slom-" + randomName());
   expectUnfinished(temporary);
-  files_.push_back({temporary, path});
-  Descriptor descriptor(
-      ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
-  if (descriptor.number() < 0) cannotWrite(name, std::strerror(errno));
+  files_.push_back({temporary, path, name});
+  descriptor_ = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+  if (descriptor_ < 0) cannotWrite(name, std::strerror(errno));
   // A name that is too long is refused now, not after the work.
   struct stat unused {};
   if (::lstat(path.c_str(), &unused) != 0 && errno != ENOENT) cannotWrite(name, std::strerror(errno));
-  if (!writeAll(descriptor.number(), content)) cannotWrite(name, std::strerror(errno));
-  keepMode(descriptor.number(), path);
-  if (!descriptor.close()) cannotWrite(name, std::strerror(errno));
+}
+
+void OutputFiles::append(std::string_view piece) {
+  if (!writeAll(descriptor_, piece)) cannotWrite(files_.back().name, std::strerror(errno));
+}
+
+void OutputFiles::close() {
+  keepMode(descriptor_, files_.back().path);
+  if (::close(std::exchange(descriptor_, -1)) != 0) cannotWrite(files_.back().name, std::strerror(errno));
 }
 
 void OutputFiles::commit() {

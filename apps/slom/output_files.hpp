@@ -21,7 +21,7 @@ void checkResultPaths(const std::vector<NamedFile>& inputs, const std::vector<Na
 /// Checks before the work that the files can be written. Throws UserError.
 void requireWritable(const std::vector<std::string>& files);
 
-/// A set of files that is written as one. add() writes each file under a temporary name beside its place; commit()
+/// A set of files that is written as one. add() or open() writes each file under a temporary name beside its place; commit()
 /// gives all files their names. Files that are not committed are removed. So a failure, even in a later file, leaves
 /// the previous files unchanged.
 class OutputFiles {
@@ -34,14 +34,22 @@ class OutputFiles {
   /// Adds a file. A symbolic link stays: its target is replaced. Other hard links of the target keep the old content.
   /// Throws UserError if the file cannot be written.
   void add(const std::filesystem::path& name, std::string_view content);
+  /// Begins a file that is written in pieces: append() adds to it, close() ends it. Throws as add() does.
+  void open(const std::filesystem::path& name);
+  void append(std::string_view piece);
+  void close();
+  /// Returns the open file, to write at offsets.
+  int descriptor() const { return descriptor_; }
   void commit();
 
  private:
   struct File {
     std::filesystem::path temporary;
     std::filesystem::path path;
+    std::filesystem::path name;  // as given, for messages
   };
   std::vector<File> files_;
+  int descriptor_ = -1;  // of the last file, while it is open
 };
 
 }  // namespace slom::app

@@ -183,12 +183,12 @@ int main(int argc, char** argv) {
   }
   std::printf(
       "# How often intervals hold\n\n"
-      "This page tests intervals in simulations: how often does an interval of 95 %% contain the true value? The intervals use stated or clustered standard deviations; clustered ones use Student's "
+      "This page gives the percentage of simulations in which an interval of 95 %% contains the true value. The intervals use stated or clustered standard deviations; clustered ones use Student's "
       "distribution with their degrees of freedom. `bench_coverage` wrote the page. For calibrations and pose graphs, each row has %d simulations, so each percentage has a standard deviation of %.1f %%. "
-      "The section on [sizes of groups](#sizes-of-groups) says how many simulations it has.\n\n"
+      "The section on [sizes of groups](#sizes-of-groups) has its own number of simulations.\n\n"
       "* \"By parameter\" gives the lowest and the highest percentage of single parameters.\n"
       "* \"Clustered over stated\" is the root mean square of the ratio of standard deviations. It is 1 if errors are independent.\n"
-      "* \"Successive groups alike\": the shared error of a group has a correlation of 0.6 with the shared error of the next group. So only about a quarter of the groups are independent.\n",
+      "* \"Successive groups alike\": the shared error of a group has a correlation of 0.6 with the shared error of the next group. So the groups have about as much information as a quarter of them would have if they were independent.\n",
       runs, 100 * std::sqrt(0.05 * 0.95 / runs));
   print("Calibrations", "images", calibrations, runs);
   std::printf(

@@ -75,12 +75,12 @@ void printGroupSizes(int runs) {
       "* Sizes: \"equal\" has 10 measurements in each group; \"one large\" has 400 in the first group and 3 in each of the others; \"lognormal\" has 2 + exp(2 + 1.2 n), with n normal. With two ways, "
       "the rows have these sizes, and the columns are random.\n"
       "* \"In order\": `ordered` is set, although successive groups are not alike.\n"
-      "* Each percentage is for the component with the lowest one. \"Printed / true\" is the root mean square of its printed standard deviations, divided by the root mean square of its errors.\n"
+      "* Each percentage is for the component with the lowest percentage. \"Printed / true\" is the root mean square of its printed standard deviations, divided by the root mean square of its errors.\n"
       "* \"Default\" is `ClusterCorrection::by_leverage`.\n"
-      "* \"Named\" gives the simulations in which the report says that single groups determine some values, or that there are few groups. The last column gives the percentage in the other "
-      "simulations, in which the report has no such warning.\n"
-      "* The default decides by the expectation from the leverages of the groups as well as by the residuals, because the residuals of a large group may be small by chance. With `ordered`, it takes "
-      "cr3 from a ratio of cr3 to cr2 of 1.5 on, otherwise from 1.2 on.\n",
+      "* \"Named\" is the percentage of simulations in which the report warns that single groups determine some values, or that there are few groups. The last column is for the other "
+      "simulations, without such a warning.\n"
+      "* The default takes cr3 from a ratio of cr3 to cr2 of 1.2 on, with `ordered` from 1.5 on. It computes the ratio from the residuals and from the leverages of the groups, because the residuals "
+      "of a large group may be small by chance.\n",
       runs);
 }
 

@@ -124,9 +124,9 @@ void writeIntroduction(std::ostream& out) {
          "deviations to 11 digits. This page counts how many digits of the fits agree.\nIt was written by\n\n"
          "    cmake --preset bench && cmake --build --preset bench --target bench_nist\n"
          "    build/bench/bench/bench_nist DATA --output docs/nist.md\n\n"
-         "The number of digits is `-log10(|x - c| / |c|)` for the certified value c. It is given for the parameter with the "
-         "fewest digits, and is at most 11. 0 means\nanother minimum, or none. With 4 digits, a fit is right for any use. More "
-         "digits show how much accuracy the arithmetic loses.\n\n";
+         "The number of digits is `-log10(|x - c| / |c|)` for the certified value c, at most 11. The tables give it for the "
+         "parameter with the fewest digits. 0 means that\nthe fit ended at another minimum, or at none. 4 digits are enough for "
+         "any use. More digits show how much accuracy the arithmetic loses.\n\n";
 }
 
 void writeSummary(std::ostream& out, const std::vector<Method>& all, const std::vector<Row>& rows) {
@@ -145,8 +145,8 @@ void writeSummary(std::ostream& out, const std::vector<Method>& all, const std::
       << " iterations at most, tolerances at the machine's precision,\nexact derivatives and dense QR (`slom::DenseQR`, Ceres' "
          "`DENSE_QR`). Standard deviations come from `est.setSigma(slom::Sigma::estimated)`,\nin Ceres from `Covariance` by "
          "`DENSE_SVD` times RSS / redundancy.\n\n"
-         "The data of Lanczos1 were generated from its model to 14 digits. So its residuals are 1e-13, and the rounding errors of "
-         "the predictions are 1e-16. Double\nprecision can therefore only resolve 3 digits of the RSS and of the standard "
+         "The data of Lanczos1 were generated from its model to 14 digits, so its residuals are about 1e-13. The rounding errors of "
+         "the predictions are about 1e-16, so double\nprecision resolves only 3 digits of the RSS and of the standard "
          "deviations.\n\n";
 }
 

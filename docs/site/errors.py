@@ -12,6 +12,18 @@ PAGE = ROOT / "docs/errors.md"
 ID = r"(?:slom|mtk)(?:\.[a-z0-9]+(?:-[a-z0-9]+)*)+"
 MOST_MESSAGES = 4  # of one id
 BY_HAND = {  # whose tests compare the text in parts
+    "slom.checkpoint": ("state: no checkpoint is there", "give the folder of --checkpoint of an earlier run"),
+    "slom.needs-all": ("this analysis needs the whole problem, but each of the processes that fit it has a part",
+                       "read the fitted values in a single process and analyse them there"),
+    "slom.no-session": ("there is no slom::distributed::Session", "make one at the beginning of main()"),
+    "slom.petsc": ("PETSc failed with code 55 (Out of memory)", "check its options (PETSC_OPTIONS) and the memory of the machine"),
+    "slom.petsc-option": ("-slom_matrix fre: unknown form of the matrix", "give free or assembled"),
+    "slom.no-unknowns": ("the covariance of variable pose 3: no measurement of this process depends on it", "ask in a process that has some"),
+    "slom.not-asked": ("the covariance of variable pose 3: not computed", "pass it to the constructor"),
+    "slom.io.bad-scene": ("scene.txt: point 1 has no observation, so nothing determines it", "add observations, or remove it"),
+    "slom.io.no-parts": ("scene.txt.bz2: compressed by bzip2, so no part can be read without the rest", "decompress it"),
+    "slom.io.no-vertices": ("map.g2o: the file has no vertices, which several processes need as start values",
+                            "fit it in one process, or add vertices"),
     "slom.calibration.no-pose": ("left.csv: 3 images that camera right shares with camera left give no finite pose between the two",
                                  "look for corners and world points that are wrong"),
     "slom.calibration.no-motion": ("imu0.csv: the angular velocities and the turns of the cameras correlate by 0.21 at best, so their clocks cannot be "

@@ -2,7 +2,7 @@
 
     bundle_adjustment.py [FILE]
 
-FILE has the format of "Bundle adjustment in the large", as docs/bundle.md describes it. The default is the simulated scene
+FILE has the format of "Bundle adjustment in the large", as docs/bundle_files.md describes it. The default is the simulated scene
 data/simulated_bundle, whose pixels have errors of 0.5 px. The command `slom bundle` fits the same files.
 """
 

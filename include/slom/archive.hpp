@@ -18,7 +18,7 @@
 /// Traced measurements (slom/tape.hpp) need no registration: the file holds their tapes and describes their variables.
 /// Where the type of such a variable is not registered, load makes it a variable of a RuntimeType.
 /// Values and data are written and read by their stream operators, with 17 digits. So a loaded problem equals the saved
-/// one except for rounding in the last digit. docs/replay.md describes the format.
+/// one except for rounding in the last digit. docs/saved_problem.md describes the format.
 #pragma once
 
 #include <concepts>

@@ -1,5 +1,5 @@
-/// conditional: eliminates chosen variables and returns what their measurements say about the remaining variables (the
-/// Schur complement). Programs use it to join maps and to make submaps.
+/// conditional: eliminates chosen variables and returns the information of their measurements on the remaining
+/// variables (the Schur complement). Programs use it to join maps and to make submaps.
 ///
 ///     for (const slom::GaussianPrior& prior : slom::conditional(submap, inner_poses)) {
 ///       std::vector<slom::AnyVarID> same;  // of the joined map

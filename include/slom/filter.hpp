@@ -7,7 +7,7 @@
 ///     if (!step || !update) ...                                    // step.message() says why
 ///
 /// These headers need Eigen and no compiled library. They allocate nothing. The steps return a status instead of
-/// exceptions; a refused step leaves the filter unchanged, and the compiler warns if the status is not looked at.
+/// exceptions; a refused step leaves the filter unchanged, and the compiler warns if the status is ignored.
 #pragma once
 
 #include "slom/filter/correlated.hpp"

@@ -10,7 +10,7 @@
 ///     }
 ///
 /// Variables that leave the window are marginalised (Estimator::marginalize). So the number of unknowns stays bounded,
-/// and what is known of the other variables is kept.
+/// and the information on the other variables is kept.
 #pragma once
 
 #include <algorithm>

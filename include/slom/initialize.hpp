@@ -1,4 +1,4 @@
-/// Start values of maps: poses and landmarks from measurements of where one was seen from another.
+/// Start values of maps: poses and landmarks from relative measurements.
 ///
 ///     slom::initialize::PoseGraph<Pose, mtk::vect<2>> graph;
 ///     ...                                                     // addPose, addEdge, addLandmark, addSighting

@@ -66,8 +66,8 @@ Posterior<T...> posterior(const Estimator& est, const VarID<T>&... ids) {
 
 /// Returns the information that measurements bring about variables whose covariance changes from `before` to `after`:
 /// half the logarithm of the ratio of the determinants [nats]. Components with variance 0 in both matrices do not
-/// count. If no single direction matters more than others, the measurements with the largest gain are the best ones
-/// (D-optimality). Throws [slom.singular-covariance], and [slom.other-sizes] if the matrices differ in size.
+/// count. If all directions matter alike, the measurements with the largest gain are the best ones (D-optimality).
+/// Throws [slom.singular-covariance], and [slom.other-sizes] if the matrices differ in size.
 ///   source   Lindley, "On a measure of the information provided by an experiment", 1956
 inline double informationGain(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
   if (before.rows() != after.rows() || before.cols() != after.cols() || before.rows() != before.cols())

@@ -53,7 +53,7 @@ class Result:
 class Calibration(Result):
     """A calibration. cameras.NAME.parameters.fx.value, .std; cameras.NAME.parameters.value, all of them;
     cameras.NAME.pose_from_REFERENCE.se3; images.left2world.se3; verdict.level, .sentence, .doubts. All keys:
-    docs/calibrate/results.md."""
+    docs/calibrate/json.md."""
 
     @property
     def verdict(self) -> Any:

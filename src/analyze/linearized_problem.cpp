@@ -19,8 +19,7 @@ using Eigen::MatrixXd;
 
 namespace {
 
-/// Largest variance inflation (H^-1)_ii H_ii at which the normal equations are trusted: they lose that many digits.
-/// Beyond it, variances would have fewer than 6 digits, so J itself is factorised.
+/// Largest variance inflation at which the normal equations are trusted. Beyond it, variances would have fewer than 6 digits.
 constexpr double kMostInflation = 1e10;
 constexpr int kMostCarefulUnknowns = 20'000;  // above, factorising J takes long
 
@@ -180,9 +179,12 @@ SolveStatus LinearizedProblem::solveFor(const MatrixXd& B, MatrixXd& X) const {
   return status;
 }
 
+bool LinearizedProblem::needsMoreDigits(double inflation) const {
+  return inflation > kMostInflation && isExact() && structure_.system.unknowns() <= kMostCarefulUnknowns;
+}
+
 /// Tries a solver that keeps more digits. Returns whether it replaces the present one.
 bool LinearizedProblem::becomeCareful() const {
-  if (!isExact() || structure_.system.unknowns() > kMostCarefulUnknowns) return false;
   bool has_changed = false;
   static_cast<void>(lookAgain(SolveStatus{false, 0, 0, 0}, has_changed));
   return has_changed;
@@ -216,7 +218,7 @@ MatrixXd LinearizedProblem::covarianceColumns(FreeGauge gauge, int first, int co
   if (!status.ok) throw undetermined(status);
   const auto inflation =
       columns.middleRows(first, count).diagonal().cwiseProduct(diagonal().segment(first, count));
-  if (count > 0 && inflation.maxCoeff() > kMostInflation && becomeCareful())
+  if (count > 0 && needsMoreDigits(inflation.maxCoeff()) && becomeCareful())
     static_cast<void>(solveFor(unit, columns));
   for (int i = 0; i < count; ++i) {  // conjugate gradients do not detect a loss of rank
     if (!(columns(first + i, i) >= 0)) throw undetermined(SolveStatus{false, first + i, 0, 0});
@@ -240,7 +242,7 @@ const InverseBlocks* LinearizedProblem::findInverse(SolveStatus& status) const {
   status = lookAgain(solver().invertBlocks(structure_.system, inverse), has_changed);
   if (has_changed) status = solver().invertBlocks(structure_.system, inverse);
   if (!status.ok) return nullptr;
-  if (largestInflation(*inverse) > kMostInflation && becomeCareful())
+  if (needsMoreDigits(largestInflation(*inverse)) && becomeCareful())
     static_cast<void>(solver().invertBlocks(structure_.system, inverse));
   return inverse.get();
 }

@@ -59,6 +59,9 @@ class [[gnu::visibility("hidden")]] LinearizedProblem {  // declared in a public
   bool isExact() const;
   /// Returns `count` columns from `first` on of H^-1, or of the pseudo-inverse for a free gauge with inner constraints.
   Eigen::MatrixXd covarianceColumns(FreeGauge gauge, int first, int count) const;
+  /// Returns whether J is factorised for a variance inflation (H^-1)_ii H_ii as large as this. It costs the normal equations
+  /// as many digits.
+  bool needsMoreDigits(double inflation) const;
   /// Returns the inverse of covarianceColumns() times B.
   Eigen::MatrixXd covarianceTimes(FreeGauge gauge, const Eigen::MatrixXd& B) const;
   /// Returns blocks of the inverse. Throws, as covarianceColumns() and covarianceTimes() do, [slom.free-gauge],

@@ -8,7 +8,7 @@
 ///   linearization                    its instructions follow
 ///   jacobian                         its columns follow: for each row the register, or =X for a constant
 ///   checksum HEX                     of the lines above
-/// docs/replay.md describes it. Places in the user's source are not stored: no message refers to them.
+/// docs/saved_problem.md describes it. Places in the user's source are not stored: no message refers to them.
 #pragma once
 
 #include <cstdint>

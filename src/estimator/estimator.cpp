@@ -152,12 +152,15 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   by.reset();
   current.reset();
   Summary before;
-  fillGroups(problem, run([&] { return linearizer.rssPerPool(problem); }), before, true);
+  const Collective& processes = evaluator.collective();
+  processes.agree(
+      [&] { fillGroups(problem, run([&] { return linearizer.rssPerPool(problem); }), before, true); });
   RankAtEnd rank;
+  std::function<FreeDirections()> find_free;
+  if (processes.isAlone()) find_free = [this] { return analyze(&findFreeDirections); };
   const auto fitBy = [&](Algorithm& algorithm, const Options& limits) {
     return run([&] {
-      return runAlgorithm(evaluator, algorithm, limits, sigma == Sigma::estimated, rank,
-                          [this] { return analyze(&findFreeDirections); });
+      return runAlgorithm(evaluator, algorithm, limits, sigma == Sigma::estimated, rank, find_free);
     });
   };
   const auto fit = [&] { return fitBy(by, options); };
@@ -165,8 +168,8 @@ Summary Estimator::State::optimize(Algorithm& by, const Options& options) {
   const bool is_free = network != nullptr;
   Summary summary = is_free ? fitFreeNetwork(fit, std::move(network)) : fit();
   summary.is_free_network = is_free;
-  const bool may_go_on =
-      summary.stop_reason == StopReason::rank_deficient && options.fall_back && by.safeguarded() != nullptr;
+  const bool may_go_on = summary.stop_reason == StopReason::rank_deficient && options.fall_back &&
+                         by.safeguarded() != nullptr && processes.isAlone();
   const bool is_hidden = evaluator.wasHidden();
   const Eigen::VectorXd step = may_go_on && !is_hidden ? stepFromSingularStart(summary) : Eigen::VectorXd();
   // A long step may bring data back to which a loss gives no weight, but which of them is for the user to say.

@@ -47,10 +47,13 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
 
   /// Returns the problem linearised at the current values, shared by all analyses at these values.
   const LinearizedProblem& linearized() {
+    if (!evaluator.collective().isAlone()) raiseNeedsAll();
     if (current == nullptr || !current->isCurrent())
       current = std::make_shared<LinearizedProblem>(problem, evaluator);
     return *current;
   }
+  /// Throws [slom.needs-all]: the processes of a fit have a part of the problem each.
+  [[noreturn]] static void raiseNeedsAll();
   /// Returns f(linearized()), run on the number of threads given to setThreads.
   template <class F>
   auto analyze(const F& f) {
@@ -102,6 +105,8 @@ struct [[gnu::visibility("hidden")]] Estimator::State {  // declared in a public
   void complete(Summary& summary, const Options& options, const RankAtEnd& rank);
 
  private:
+  /// Completes the summary of a fit by several processes.
+  void completeTogether(Summary& summary, const Options& options, const RankAtEnd& rank);
   void fillSizes(Summary& summary);
   void countFreeDirections(Summary& summary, const Options& options);
   void fillTables(Summary& summary, const Options& options);

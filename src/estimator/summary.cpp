@@ -75,6 +75,7 @@ std::string noProgressMessage(const Evaluator::Promise& promise) {
 }  // namespace
 
 void Estimator::State::complete(Summary& summary, const Options& options, const RankAtEnd& rank) {
+  if (!evaluator.collective().isAlone()) return completeTogether(summary, options, rank);
   fillSizes(summary);
   summary.message = messageFor(summary, options, rank);
   countFreeDirections(summary, options);

@@ -109,6 +109,7 @@ UpdateSummary Estimator::update(const UpdateOptions& options) {
         "budget");
   }
   State& state = *state_;
+  if (!state.evaluator.collective().isAlone()) State::raiseNeedsAll();
   if (state.online == nullptr) state.online = std::make_unique<OnlineFit>(state.problem, state.linearizer);
   // Undetermined unknowns stay where they are, with update() as with a damped algorithm.
   const auto takeOver = [&] {

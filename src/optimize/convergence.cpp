@@ -25,9 +25,8 @@ constexpr double kNumericGradient = 1e-8;
 /// than 1.
 double Convergence::variance(double rss) const {
   if (!sigma_is_estimated_ && is_stated_) return 1;
-  const ProblemStructure& structure = evaluator_.structure();
-  const double estimated = rss / std::max(1, structure.residuals - structure.system.unknowns() +
-                                                 evaluator_.problem().activeSet().fixedOrActiveCount());
+  const double estimated =
+      rss / std::max(1, evaluator_.residuals() - evaluator_.unknowns() + evaluator_.fixedOrActiveCount());
   return sigma_is_estimated_ ? estimated : std::min(1.0, estimated);
 }
 
@@ -117,11 +116,11 @@ std::optional<StopReason> Convergence::whenStuck(double gradient, double decreas
       if (evaluator_.isNegligible(promise.step, options_.step_tolerance)) return StopReason::step;
     }
     // If a function needs long steps for its differences, its values are no finer than these steps show.
-    const double step = evaluator_.problem().largestStatedStep();
+    const double step = evaluator_.collective().max(evaluator_.problem().largestStatedStep());
     if (promise.decrease <= step * step * std::min(rss, variance(rss))) return StopReason::decrease;
   }
-  const double tolerance = std::max(options_.gradient_tolerance,
-                                    evaluator_.problem().hasNumericDerivatives() ? kNumericGradient : 0);
+  const double tolerance =
+      std::max(options_.gradient_tolerance, evaluator_.hasNumericDerivatives() ? kNumericGradient : 0);
   if (gradient > tolerance || gradient * gradient * rss > kMostRounding * variance(rss)) return std::nullopt;
   // If J loses its rank at the solution, the linear model predicts a decrease that no step achieves. The gradient then
   // shows the end for each unknown. If columns of J are nearly dependent, the gradient is small as well, but a step

@@ -17,7 +17,7 @@ class Convergence {
       : evaluator_(evaluator),
         options_(options),
         sigma_is_estimated_(sigma_is_estimated),
-        is_stated_(statesAllNoise(evaluator.problem())) {}
+        is_stated_(evaluator.collective().all(statesAllNoise(evaluator.problem()))) {}
 
   /// Begins a fit whose start has this `rss`.
   void begin(double rss) { first_rss_ = rss; }

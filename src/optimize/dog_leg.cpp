@@ -17,13 +17,15 @@ using Eigen::VectorXd;
 constexpr int kMostTrials = 200;  // halving a radius that often reduces it to nothing
 
 /// Returns the point at distance `radius` on the dog leg from 0 over `cauchy` to `newton` (all in scaled unknowns).
-VectorXd dogLegPoint(const VectorXd& cauchy, const VectorXd& newton, double radius) {
-  if (newton.norm() <= radius) return newton;
-  if (cauchy.norm() >= radius) return cauchy * (radius / cauchy.norm());
+VectorXd dogLegPoint(const Evaluator& evaluator, const VectorXd& cauchy, const VectorXd& newton,
+                     double radius) {
+  if (evaluator.norm(newton) <= radius) return newton;
+  const double shortest = evaluator.norm(cauchy);
+  if (shortest >= radius) return cauchy * (radius / shortest);
   // The formula for |cauchy + beta (newton - cauchy)| = radius avoids cancellation.
   const VectorXd leg = newton - cauchy;
-  const double c = cauchy.dot(leg), a = leg.squaredNorm();
-  const double gap = radius * radius - cauchy.squaredNorm();
+  const double c = evaluator.dot(cauchy, leg), a = evaluator.squaredNorm(leg);
+  const double gap = radius * radius - evaluator.squaredNorm(cauchy);
   const double root = std::sqrt(c * c + a * gap);
   const double beta = c <= 0 ? (root - c) / a : gap / (c + root);
   return cauchy + beta * leg;
@@ -75,9 +77,9 @@ StepOutcome DogLeg::step(Evaluator& evaluator, const Options& options) {
   newton = newton.cwiseProduct(scale);
   const VectorXd gradient = evaluator.solver().gradient().cwiseQuotient(scale);
   const double curvature = evaluator.solver().squaredNormOfJd(gradient.cwiseQuotient(scale));
-  const VectorXd cauchy =
-      curvature > 0 ? VectorXd(-(gradient.squaredNorm() / curvature) * gradient) : VectorXd(0 * gradient);
-  if (!(radius_ > 0)) radius_ = newton.norm();
+  const VectorXd cauchy = curvature > 0 ? VectorXd(-(evaluator.squaredNorm(gradient) / curvature) * gradient)
+                                        : VectorXd(0 * gradient);
+  if (!(radius_ > 0)) radius_ = evaluator.norm(newton);
 
   for (outcome.trials = 1;; ++outcome.trials) {
     if (outcome.trials > 1 && evaluator.mustStop()) {
@@ -85,15 +87,16 @@ StepOutcome DogLeg::step(Evaluator& evaluator, const Options& options) {
       return outcome;
     }
     outcome.damping = radius_;
-    const VectorXd scaled = dogLegPoint(cauchy, newton, radius_);
+    const VectorXd scaled = dogLegPoint(evaluator, cauchy, newton, radius_);
     outcome.step = scaled.cwiseQuotient(scale);
     outcome.predicted_decrease = evaluator.predictedDecrease(outcome.step);
-    outcome.is_undamped = evaluator.solver().isExact() && !is_regularized && scaled == newton;
+    outcome.is_undamped =
+        evaluator.collective().all(evaluator.solver().isExact() && !is_regularized && scaled == newton);
     // If rounding hides the RSS, closeness is measured with the damping that gives steps of about this length.
     VectorXd damping;
     double promised_damped = promised;
     if (!outcome.is_undamped && evaluator.mayBeRounding(outcome.predicted_decrease)) {
-      damping = gradient.norm() / radius_ * scale.cwiseAbs2();
+      damping = evaluator.norm(gradient) / radius_ * scale.cwiseAbs2();
       VectorXd ignored;
       if (evaluator.solveDamped(damping, ignored).ok)
         promised_damped = evaluator.predictedDecrease(ignored, damping);
@@ -108,10 +111,11 @@ StepOutcome DogLeg::step(Evaluator& evaluator, const Options& options) {
                                 (!is_judged && evaluator.cameCloser(damping, promised_damped)));
     if (is_better && !evaluator.hasFiniteDerivatives()) is_better = finite = false;
     const double rho = !finite ? -1 : is_judged ? decrease / outcome.predicted_decrease : is_better ? 1 : 0;
+    const double length = evaluator.norm(scaled);
     if (rho > 0.75) {
-      radius_ = std::max(radius_, 3 * scaled.norm());
+      radius_ = std::max(radius_, 3 * length);
     } else if (!(rho >= 0.25)) {
-      radius_ = std::min(scaled.norm(), radius_) / 2;  // radius / 2 if the norm is not a number
+      radius_ = std::min(length, radius_) / 2;  // radius / 2 if the norm is not a number
     }
     if (is_better) {
       outcome.rss_after = rss;

@@ -1,6 +1,7 @@
 #include "slom/optimize/evaluator.hpp"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@ Evaluator::~Evaluator() = default;
 
 void Evaluator::setSolver(LinearSolver& solver) {
   given_ = solver_ = &solver;
+  collective_ = &solver.collective();
   careful_.reset();
   changes_ = StructureChanges::all();
   analyzed_at_ = linearized_at_ = ~std::uint64_t{0};
@@ -41,15 +43,40 @@ const ProblemStructure& Evaluator::structure() {
   return structure_;
 }
 
+int Evaluator::unknowns() {
+  const BlockStructure& system = structure().system;
+  if (collective_->isAlone()) return system.unknowns();
+  int own = 0;
+  for (int b = 0; b < system.blockCount(); ++b) own += collective_->counts(b) ? system.dof(b) : 0;
+  return static_cast<int>(collective_->sum(own));
+}
+
+int Evaluator::residuals() { return static_cast<int>(collective_->sum(structure().residuals)); }
+
+int Evaluator::fixedOrActiveCount() {
+  const ActiveSet& active = problem_.activeSet();
+  if (collective_->isAlone()) return active.fixedOrActiveCount();
+  int own = 0;
+  for (const int v : active.constrained()) {
+    if (!active.isOptimized(v) || !collective_->counts(v)) continue;
+    for (int c = 0; c < structure().system.dof(v); ++c) own += active.isFixedOrActive(v, c) ? 1 : 0;
+  }
+  return static_cast<int>(collective_->sum(own));
+}
+
 void Evaluator::analyze() {
   structure();
-  if (analyzed_at_ == structured_at_) return;
+  if (collective_->all(analyzed_at_ == structured_at_)) return;
   const detail::Stopwatch watch(setup_seconds_);
   solver_ = given_;
   careful_.reset();
   ++content_of_solver_;
   const StructureChanges changes = std::exchange(changes_, StructureChanges::all());
-  if (changes.any()) solver_->update(structure_.system, changes);
+  if (!collective_->isAlone()) {
+    solver_->update(structure_.system, StructureChanges::all());
+  } else if (changes.any()) {
+    solver_->update(structure_.system, changes);
+  }
   changes_ = {};
   analyzed_at_ = structured_at_;
 }
@@ -68,17 +95,22 @@ LinearSolver& Evaluator::lendSolver() {
 
 double Evaluator::linearize() {
   structure();
-  if (linearized_at_ == problem_.valueRevision() && analyzed_at_ == structured_at_) return rss_;
+  if (collective_->all(linearized_at_ == problem_.valueRevision() && analyzed_at_ == structured_at_))
+    return rss_;
   analyze();
   const detail::Stopwatch watch(linearize_seconds_);
   linearized_at_ = ~std::uint64_t{0};
   ++content_of_solver_;
   ActiveSet& active = problem_.activeSet();
-  rss_ = linearizeAtBounds(problem_, structure_, linearizer_, active, *solver_, [this] {
-    requireGradientLengths(*solver_, structure_.system.unknowns());
-    return solver_->gradient();
+  collective_->agree([&] {
+    rss_ = linearizeAtBounds(problem_, structure_, linearizer_, active, *solver_, [this] {
+      requireGradientLengths(*solver_, structure_.system.unknowns());
+      return solver_->gradient();
+    });
   });
-  squared_norm_ = linearizer_.squaredNormSent();
+  solver_->completeLinearization();
+  rss_ = collective_->sum(rss_);
+  squared_norm_ = collective_->sum(linearizer_.squaredNormSent());
   requireRange();
   linearized_at_ = problem_.valueRevision();
   return rss_;
@@ -87,9 +119,12 @@ double Evaluator::linearize() {
 /// Checks that products of the linearisation are finite.
 void Evaluator::requireRange() {
   requireGradientLengths(*solver_, structure_.system.unknowns());
-  if (rss_ <= Linearizer::kLargestRss && solver_->gradient().allFinite() && solver_->diagonal().allFinite())
-    return;
-  linearizer_.raiseOverflow(problem_);
+  const bool is_good =
+      rss_ <= Linearizer::kLargestRss && solver_->gradient().allFinite() && solver_->diagonal().allFinite();
+  if (collective_->all(is_good)) return;
+  collective_->agree([&] {
+    if (!is_good) linearizer_.raiseOverflow(problem_);
+  });
 }
 
 void Evaluator::move(const Eigen::VectorXd& d) {
@@ -113,15 +148,28 @@ double Evaluator::tryStep(const Eigen::VectorXd& d) {
   saved_is_linearized_ = linearized_at_ == problem_.valueRevision();
   move(d);
   try {
-    return linearizer_.rss(problem_);
+    return rss();
   } catch (...) {
     undo();
     throw;
   }
 }
 
+double Evaluator::rss() {
+  double rss = 0;
+  collective_->agree([&] { rss = linearizer_.rss(problem_); });
+  rss = collective_->sum(rss);
+  return rss <= Linearizer::kLargestRss ? rss : std::numeric_limits<double>::quiet_NaN();
+}
+
+double Evaluator::largestLossArgument() {
+  double largest = -1;
+  collective_->agree([&] { largest = linearizer_.largestLossArgument(problem_); });
+  return collective_->max(largest);
+}
+
 double Evaluator::tryLikelyStep(const Eigen::VectorXd& d) {
-  if (problem_.hasNumericDerivatives()) return tryStep(d);
+  if (hasNumericDerivatives()) return tryStep(d);
   saved_is_linearized_ = false;
   move(d);
   try {
@@ -153,7 +201,7 @@ bool Evaluator::hasFiniteDerivatives() {
 bool Evaluator::cameCloser(const Eigen::VectorXd& damping, double promised) {
   if (!hasFiniteDerivatives()) return false;
   Eigen::VectorXd next;
-  return (damping.size() == 0 ? solveUndamped(next) : solveDamped(damping, next)).ok &&
+  return (collective_->all(damping.size() == 0) ? solveUndamped(next) : solveDamped(damping, next)).ok &&
          predictedDecrease(next, damping) < promised;
 }
 
@@ -174,7 +222,7 @@ bool Evaluator::mayBeRounding(double change) const {
 }
 
 double Evaluator::orthogonality() const {
-  return orthogonality(solver_->gradient(), solver_->diagonal(), squared_norm_);
+  return collective_->max(orthogonality(solver_->gradient(), solver_->diagonal(), squared_norm_));
 }
 
 double Evaluator::orthogonality(const Eigen::VectorXd& gradient, const Eigen::VectorXd& diagonal,
@@ -193,9 +241,10 @@ double Evaluator::promiseOfOneUnknown() const { return std::pow(orthogonality(),
 
 double Evaluator::stepInDeviations(const Eigen::VectorXd& d) const {
   const auto h = solver_->diagonal().array();
-  if (d.size() == 0) return 0;
+  if (d.size() == 0) return collective_->max(0);
   const double squared = (d.array().square() * h).maxCoeff();
-  return isWellScaled(squared) ? std::sqrt(squared) : (d.array().abs() * h.sqrt()).maxCoeff();
+  return collective_->max(isWellScaled(squared) ? std::sqrt(squared)
+                                                : (d.array().abs() * h.sqrt()).maxCoeff());
 }
 
 Eigen::VectorXd Evaluator::typicalSizes() {
@@ -221,7 +270,7 @@ SolveStatus Evaluator::lookAgain(SolveStatus status, bool& has_changed) {
   has_changed = false;
   if (status.ok) return status;
   status.least = solver_->leastOfColumn();
-  if (careful_ != nullptr || mustStop()) return status;
+  if (careful_ != nullptr || !collective_->isAlone() || mustStop()) return status;
   SecondLook look = slom::lookAgain(
       problem_, structure_, *given_, status, digitsOfDerivatives(problem_),
       [this](LinearSolver& careful) { linearizer_.linearize(problem_, problem_.activeSet(), careful); });
@@ -250,6 +299,10 @@ void Evaluator::clearConstrained(Eigen::VectorXd& d) const {
 }
 
 bool Evaluator::isNegligible(const Eigen::VectorXd& d, double tolerance) {
+  return collective_->all(isNegligibleHere(d, tolerance));
+}
+
+bool Evaluator::isNegligibleHere(const Eigen::VectorXd& d, double tolerance) {
   std::vector<double> sizes;
   for (int v = 0; v < structure_.system.blockCount(); ++v) {  // usually ends at the first one
     if (structure_.system.isEmpty(v)) continue;
@@ -268,14 +321,15 @@ bool Evaluator::isNegligible(const Eigen::VectorXd& d, double tolerance) {
 
 double Evaluator::predictedDecrease(const Eigen::VectorXd& d) const {
   requireStepLength(d.size(), structure_.system.unknowns());
-  return -(2 * solver_->gradient().dot(d) + solver_->squaredNormOfJd(d));
+  return -(2 * collective_->dot(solver_->gradient(), d) + solver_->squaredNormOfJd(d));
 }
 
 double Evaluator::predictedDecrease(const Eigen::VectorXd& d, const Eigen::VectorXd& damping) const {
   if (!solver_->isExact()) return predictedDecrease(d);
   requireStepLength(d.size(), structure_.system.unknowns());
-  const double damped = damping.size() > 0 ? damping.dot(d.cwiseAbs2()) : 0;
-  return damped - solver_->gradient().dot(d);
+  // A process without unknowns has an empty vector in any case.
+  const double damped = collective_->any(damping.size() > 0) ? collective_->dot(damping, d.cwiseAbs2()) : 0;
+  return damped - collective_->dot(solver_->gradient(), d);
 }
 
 PhaseSeconds Evaluator::seconds() const {

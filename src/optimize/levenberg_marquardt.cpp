@@ -82,8 +82,8 @@ StepOutcome LevenbergMarquardt::step(Evaluator& evaluator, const Options& option
       was_finite = std::isfinite(rss);
       // With first estimates, the gradient is not that of the RSS. The RSS may rise by up to the step's predicted
       // decrease.
-      const bool may_rise = !evaluator.problem().firstEstimates().isEmpty() && decrease <= 0 &&
-                            decrease >= -outcome.predicted_decrease;
+      const bool may_rise =
+          evaluator.hasFirstEstimates() && decrease <= 0 && decrease >= -outcome.predicted_decrease;
       const bool is_judged = !may_rise && (!evaluator.mayBeRounding(decrease) ||
                                            !evaluator.mayBeRounding(outcome.predicted_decrease));
       const bool is_noise = !is_judged && std::abs(decrease) <= Evaluator::kNoise * outcome.rss_before;

@@ -32,7 +32,7 @@ class Run {
         options_(options),
         limits_(options),
         convergence_(evaluator, options, sigma_is_estimated),
-        interruption_(options),
+        interruption_(options, evaluator.collective()),
         lost_rank_(evaluator, find_free) {
     evaluator_.setInterruption([this] { return interruption_.reason().has_value(); });
   }
@@ -40,15 +40,15 @@ class Run {
 
   Summary go(RankAtEnd& rank) {
     summary_.initial_rss = summary_.final_rss = evaluator_.linearize();
-    const int unknowns = evaluator_.structure().system.unknowns();
+    const int unknowns = evaluator_.unknowns();
     most_iterations_ = limits_.max_iterations = iterationLimit(options_, unknowns);
     convergence_.begin(summary_.initial_rss);
     record({}, evaluator_.orthogonality());
-    summary_.stop_reason = unknowns == 0                           ? StopReason::nothing_to_do
-                           : evaluator_.structure().residuals == 0 ? undetermined()
-                           : options_.graduated_non_convexity      ? graduate()
-                           : safeguarded_ != nullptr               ? iterateOrRestart()
-                                                                   : iterateToRank();
+    summary_.stop_reason = unknowns == 0                      ? StopReason::nothing_to_do
+                           : evaluator_.residuals() == 0      ? undetermined()
+                           : options_.graduated_non_convexity ? graduate()
+                           : safeguarded_ != nullptr          ? iterateOrRestart()
+                                                              : iterateToRank();
     if (summary_.stages > 0 && summary_.final_rss > summary_.initial_rss) warnOfRise();
     summary_.converged = isConverged(summary_.stop_reason);
     summary_.algorithm = algorithm_->name();
@@ -205,7 +205,9 @@ class Run {
     line.graduation = evaluator_.lossGraduation();
     line.seconds = interruption_.seconds();
     summary_.trace.push_back(line);
-    if (options_.observer && options_.observer(line) == FitControl::stop) interruption_.request();
+    evaluator_.collective().agree([&] {
+      if (options_.observer && options_.observer(line) == FitControl::stop) interruption_.request();
+    });
   }
 
   // ---- a second attempt

@@ -14,7 +14,7 @@ Evaluator::Promise Evaluator::promise(bool carefully, double most) {
   const auto decreaseBy = [&](const Eigen::VectorXd& step) {
     // Both values are g^T H^-1 g. A difference, or a negative value, is rounding error. An inexact solver may find
     // less, even 0.
-    return std::max({std::abs(solver_->gradient().dot(step)), predictedDecrease(step),
+    return std::max({std::abs(collective_->dot(solver_->gradient(), step)), predictedDecrease(step),
                      solver_->isExact() ? 0.0 : promiseOfOneUnknown()});
   };
   if (carefully && careful_failed_at_ != structured_at_ && solver_->isExact() &&
@@ -80,7 +80,7 @@ void Evaluator::lookDeeper(const std::vector<int>& out_of_sight, Promise& promis
 
 bool Evaluator::advance(const Promise& promise) {
   constexpr double kept = 0.25;  // fraction of the predicted decrease
-  if (!promise.is_known || promise.step.size() == 0) return false;
+  if (!promise.is_known || collective_->all(promise.step.size() == 0)) return false;
   const double before = rss_, after = tryStep(promise.step);
   if (std::isfinite(after) && before - after >= kept * promise.decrease && after < before) return true;
   undo();
@@ -90,7 +90,7 @@ bool Evaluator::advance(const Promise& promise) {
 
 double Evaluator::roundingOfPromises() {
   constexpr double steps = 4;  // units in the last place
-  const double effect = solver_->diagonal().cwiseSqrt().dot(typicalSizes());
+  const double effect = collective_->dot(solver_->diagonal().cwiseSqrt(), typicalSizes());
   return std::pow(steps * std::numeric_limits<double>::epsilon() * effect, 2);
 }
 

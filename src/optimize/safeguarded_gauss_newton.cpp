@@ -43,12 +43,11 @@ bool SafeguardedGaussNewton::isAcceptable(Evaluator& evaluator, const StepOutcom
   if (outcome.rss_after <= outcome.rss_before) return true;
   // With first estimates, the gradient is not that of the RSS, and the RSS may rise on a step to the gradient's root.
   // The predicted decrease, which is 0 at the root, decides.
-  if (!evaluator.problem().firstEstimates().isEmpty())
-    return evaluator.cameCloser({}, outcome.predicted_decrease);
+  if (evaluator.hasFirstEstimates()) return evaluator.cameCloser({}, outcome.predicted_decrease);
   const bool is_judged = !evaluator.mayBeRounding(outcome.rss_before - outcome.rss_after) ||
                          !evaluator.mayBeRounding(outcome.predicted_decrease);
   if (!is_judged) return evaluator.cameCloser({}, outcome.predicted_decrease);
-  if (has_fallen_back_ || evaluator.structure().system.unknowns() < kLarge) return false;
+  if (has_fallen_back_ || evaluator.unknowns() < kLarge) return false;
   // The step is undone and redone, to save the values before it.
   evaluator.undo();
   best_ = std::make_unique<ValueSnapshot>(evaluator.problem());

@@ -60,6 +60,7 @@ bool Evaluator::isTrueColumn(int unknown, double step) {
 /// Returns the unknowns that d moves although they are unseen.
 std::vector<int> Evaluator::unseenUnknowns(const Eigen::VectorXd& d) {
   std::vector<int> unseen;
+  if (!collective_->isAlone()) return unseen;  // a process sees only a part of the residuals
   const Eigen::VectorXd& H = solver_->diagonal();
   if (H.size() == 0 || H.minCoeff() > kHardlySeen * H.maxCoeff()) return unseen;  // the usual case
   const Eigen::VectorXd size = typicalSizes(), effect = H.cwiseSqrt().cwiseProduct(size);

@@ -141,13 +141,9 @@ SolveStatus BlockSolver::Implementation::solve(const VectorXd& damping, VectorXd
 SolveStatus BlockSolver::Implementation::solveDamped(const VectorXd& damping, const MatrixXd& B,
                                                      MatrixXd& X) {
   SolveStatus status = prepare(damping);
-  MatrixXd all(B.rows(), B.cols());
-  VectorXd x;
-  for (Eigen::Index j = 0; status.ok && j < B.cols(); ++j) {
-    x = B.col(j);
-    status = method_->solve(x);
-    all.col(j) = x;
-  }
+  if (!status.ok) return status;
+  MatrixXd all = B;
+  status = method_->solveColumns(all);
   if (status.ok) X = std::move(all);
   return status;
 }

@@ -26,6 +26,8 @@ bool ForwardingSolver::wantsUnweighted() const { return solver_->wantsUnweighted
 void ForwardingSolver::addUnweighted(const JacobianBatch& batch) { solver_->addUnweighted(batch); }
 std::span<const MeasurementPlace> ForwardingSolver::partitions() const { return solver_->partitions(); }
 void ForwardingSolver::endLinearization() { solver_->endLinearization(); }
+void ForwardingSolver::completeLinearization() { solver_->completeLinearization(); }
+const Collective& ForwardingSolver::collective() const { return solver_->collective(); }
 
 SolveStatus ForwardingSolver::solve(const VectorXd& damping, VectorXd& step) {
   return solver_->solve(damping, step);

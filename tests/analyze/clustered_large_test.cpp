@@ -14,6 +14,7 @@
 #include <slom/slom.hpp>
 #include <slom/solve/forwarding_solver.hpp>
 
+#include "support/fresh_seed.hpp"
 #include "support/slow_with_sanitizers.hpp"
 
 namespace {
@@ -154,6 +155,66 @@ TEST(ClusteredLarge, WithoutLeverages) {
       "corrected as by cr1");
   EXPECT_TRUE(std::isnan(few.change(id)(3, 0)));
   EXPECT_EQ(few.check()[3].dof, 0);
+}
+
+/// A line, measured along a walk: group i has a step to the next place and measurements at its place, with three levels of
+/// its own. Errors of successive groups are alike.
+struct Walk {
+  slom::Estimator est;
+  slom::VarID<vec2> line = est.insertRV(vec2(0, 0), "line");
+  std::vector<slom::VarID<double>> places;
+
+  Walk(unsigned seed, int groups) {
+    std::mt19937 engine(seed);
+    std::normal_distribution<double> normal;
+    for (int i = 0; i <= groups; ++i) places.push_back(est.insertRV(0.0));
+    double common = 0;
+    const auto see = [](const auto& l, const auto& place, const auto& level, double t) {
+      return l[0] + l[1] * t + place + level;
+    };
+    const auto measured = [&] { return slom::measured(common + normal(engine)); };
+    for (int i = 0; i < groups; ++i) {
+      const slom::Group group = slom::group("image", i);
+      const auto& place = places[static_cast<std::size_t>(i)];
+      common = 0.7 * common + normal(engine);
+      est.insertMeasurement(difference, place, places[static_cast<std::size_t>(i) + 1], measured(), group);
+      est.insertMeasurement(is, place, measured(), group);
+      for (int k = 0; k < 3; ++k) {
+        const auto level = est.insertRV(0.0);
+        est.insertMeasurement(is, level, measured(), group);
+        for (int m = 0; m < 2; ++m)
+          est.insertMeasurement(see, line, place, level, normal(engine), measured(), group);
+      }
+    }
+    est.insertMeasurement(is, places.back(), slom::measured(0.));  // in no group
+    EXPECT_TRUE(est.optimize({.most_parameters = 0}).converged);
+  }
+};
+
+/// The inverse of shared unknowns and groups joined from others give what columns of the inverse and explicit blocks give.
+TEST(ClusteredLarge, JoinedGroupsAreBlocks) {
+  const unsigned seed = slom::testing::freshSeed();
+  Walk walk(seed, 128), by_columns(seed, 128);
+  by_columns.est.setFreeGauge(slom::FreeGauge::inner_constraints);
+  const slom::ClusterOptions in_order{.correction = ClusterCorrection::cr2, .ordered = true};
+  const slom::Clustered c = slom::clustered(walk.est, in_order),
+                        reference = slom::clustered(by_columns.est, in_order);
+  const int length = c.blockLength(walk.line);
+  ASSERT_EQ(reference.blockLength(by_columns.line), length) << seed;
+  const MatrixXd C = c.covariance(walk.line);
+  EXPECT_LT((reference.covariance(by_columns.line) - C).norm(), 1e-9 * C.norm()) << seed;
+  const VectorXd dof = c.degreesOfFreedom(walk.line);
+  EXPECT_LT((reference.degreesOfFreedom(by_columns.line) - dof).norm(), 1e-6 * dof.norm()) << seed;
+  const auto byBlocks = [&](int blocks) {
+    return slom::clustered(walk.est, {.by = {slom::ClusterBy::blocks("image", blocks)},
+                                      .correction = ClusterCorrection::cr2})
+        .standardDeviation(walk.line)
+        .cwiseAbs2()
+        .eval();
+  };
+  if (length == 1 || !c.notes(walk.line).empty()) return;  // the variance still grows
+  const VectorXd now = byBlocks(length), expected = now.cwiseMax(2 * now - byBlocks(length / 2));
+  EXPECT_LT((C.diagonal() - expected).norm(), 1e-9 * expected.norm()) << seed;
 }
 
 /// Huber's formula for a location: sum psi^2 / (sum psi')^2.

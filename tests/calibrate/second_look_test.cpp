@@ -7,6 +7,7 @@
 #include "calibrate/calibrate_command.hpp"
 #include "calibration/simulated_rig.hpp"
 #include "calibration/simulated_views.hpp"
+#include "support/fresh_seed.hpp"
 
 namespace slom::app::calib {
 namespace {
@@ -113,6 +114,37 @@ TEST(SecondLook, ImagesOfAnotherSizeAreNamedFromAfarToo) {
     named += result.strays.size() == 2 ? 1 : 0;
   }
   EXPECT_GE(named, 18);
+}
+
+/// In a rig, the view of the other camera at the same time seems to contradict.
+TEST(SecondLook, ImagesOfAnotherSizeAreNamedInARig) {
+  std::mt19937_64 random(slom::testing::freshSeed());
+  int named = 0;
+  for (int repetition = 0; repetition < 12; ++repetition) {
+    RigOptions options;
+    options.cameras = 2;
+    options.images = 12;
+    options.columns = 9, options.rows = 6;
+    options.square_m = 0.03;
+    options.distance = 0.4;
+    const testing::RigTruth truth = testing::simulateTruth(options, random);
+    Dataset data = testing::simulateMeasurements(truth, options, random);
+    data.imu.reset();
+    const std::size_t camera = random() % 2, i = random() % data.cameras[camera].views.size();
+    const double size = random() % 2 == 0 ? 0.5 : 2;
+    View& view = data.cameras[camera].views[i];
+    for (Corner& corner : view.corners) corner.pixel *= size;
+    const Result result = calibrate(data, Settings());
+    ASSERT_EQ(result.strays.size(), 1u)
+        << camera << " " << view.image << " " << size << " " << result.message;
+    const Stray& stray = result.strays[0];
+    EXPECT_EQ(stray.image, view.image);
+    if (!stray.is_left_out) continue;  // a board far away, seen from the front, fits at any size
+    ++named;
+    EXPECT_EQ(stray.camera, data.cameras[camera].name);
+    EXPECT_EQ(stray.size, size);
+  }
+  EXPECT_GE(named, 10);
 }
 
 /// A few of many images hardly change the lens, so that the fit of all shows them.

@@ -42,6 +42,7 @@ TEST(StreamVerdict, AScaleIsNamedAndEstimated) {
   const Verdict verdict = verdictWith(rig, {imu});
   EXPECT_EQ(verdict.level, Verdict::Level::doubtful) << textOf(verdict);
   EXPECT_NE(textOf(verdict).find("the scales or axes of "), std::string::npos) << textOf(verdict);
+  EXPECT_EQ(textOf(verdict).find(" lag "), std::string::npos) << textOf(verdict);
   StreamSettings other;
   other.axes = ImuAxes::scale_misalignment;
   for (const std::string& doubt : verdictWith(rig, {imu}, other).doubts)
@@ -62,6 +63,38 @@ TEST(StreamVerdict, ASmallScaleIsDoubtedBySplinesWithoutNoiseToo) {
   EXPECT_EQ(scaled.level, Verdict::Level::doubtful) << textOf(scaled);
 }
 
+/// Returns the readings of an IMU whose forces are those of `samples` readings before.
+ImuStream withLateForces(const ImuStream& imu, std::size_t samples) {
+  ImuStream late = imu;
+  for (std::size_t i = 0; i < imu.samples.size(); ++i)
+    late.samples[i].force = imu.samples[i < samples ? 0 : i - samples].force;
+  return late;
+}
+
+TEST(StreamVerdict, AnAccelerometerThatLagsIsNamed) {
+  const Calibrated rig(quickStream(slom::testing::freshSeed(), 12));
+  ImuStream imu = rig.stream();
+  for (const bool has_noise : {true, false}) {
+    if (!has_noise) imu.noise.reset();
+    for (const StreamPath path : {StreamPath::preintegration, StreamPath::splines}) {
+      StreamSettings settings;
+      settings.path = path;
+      const StreamResult result = rig.with({withLateForces(imu, 1)}, settings);  // at 200 Hz: 5 ms
+      const std::string text = textOf(verdictOf(result, rig.camera));
+      const std::string before = "the accelerometer of imu0 seems to lag behind its gyroscope by ";
+      const std::size_t found = text.find(before);
+      ASSERT_NE(found, std::string::npos) << text;
+      EXPECT_NEAR(std::stod(text.substr(found + before.size())), 5, 0.8) << text;
+      ASSERT_TRUE(result.imus[0].force_lag);
+      const StreamNumber& lag = *result.imus[0].force_lag;
+      EXPECT_NEAR(lag.value, 5e-3, 0.8e-3);
+      EXPECT_GT(lag.std, 0.05e-3);
+      EXPECT_LT(lag.std, 0.5e-3);
+      EXPECT_EQ(text.find("axes"), std::string::npos) << text;
+    }
+  }
+}
+
 TEST(StreamVerdict, ADriftingClockIsADoubt) {
   const Calibrated rig(quickStream(slom::testing::freshSeed(), 12));
   ImuStream imu = rig.stream();
@@ -69,6 +102,7 @@ TEST(StreamVerdict, ADriftingClockIsADoubt) {
   const StreamResult result = rig.with({imu});
   const Verdict verdict = verdictOf(result, rig.camera);
   EXPECT_NE(verdict.level, Verdict::Level::trustworthy) << textOf(verdict);
+  EXPECT_EQ(textOf(verdict).find(" lag "), std::string::npos) << textOf(verdict);
   if (result.success()) {
     EXPECT_NE(textOf(verdict).find("the clock of imu0 drifts"), std::string::npos) << textOf(verdict);
   }

@@ -1,5 +1,5 @@
-// The code of docs/extending.md, unchanged: a user's own manifold, kind of measurement, loss, algorithm and linear
-// solver. Each is compared with a known answer.
+// The code of docs/extending.md and docs/extending_solvers.md, unchanged: a user's own manifold, kind of measurement,
+// loss, algorithm and linear solver. Each is compared with a known answer.
 #include <cmath>
 #include <memory>
 #include <string>

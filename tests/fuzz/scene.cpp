@@ -11,7 +11,7 @@ SLOM_FUZZ_TARGET(scene) {
   Scene scene;
   const auto read = [&] {
     scene = parseScene("FILE", input);
-    checkScene(scene);
+    checkScene(scene, SceneNumbers::ofWhole(scene));
   };
   if (!accepted(read)) return;
   const Scene second = parseScene("FILE", toBal(scene));

@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 COMMAND, MANUAL = sys.argv[1:3]
-SUBCOMMANDS = ["bundle", "calibrate", "graph", "hand-eye", "replay", "simulate"]
+SUBCOMMANDS = ["bundle", "calibrate", "convert", "graph", "hand-eye", "replay", "simulate"]
 DEVICES = ["stereo-imu", "stereo-imu-stream"]
 COMMANDS = [[name] for name in SUBCOMMANDS] + [["simulate", device] for device in DEVICES]
 

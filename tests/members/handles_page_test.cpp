@@ -1,5 +1,5 @@
-// The code of docs/fitting.md and docs/manifolds.md, unchanged: handles, names, captures of functions, errors, exp and
-// log.
+// The code of docs/fitting.md, docs/handles.md and docs/manifolds.md, unchanged: handles, names, captures of functions,
+// errors, exp and log.
 #include <array>
 #include <memory>
 #include <string>

@@ -1,4 +1,4 @@
-// The code of docs/measurements.md about kinds that choose their variables at run time.
+// The code of docs/run_time_variables.md about kinds that choose their variables at run time.
 #include <gtest/gtest.h>
 
 #include <slom/measurements.hpp>

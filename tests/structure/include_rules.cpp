@@ -24,13 +24,15 @@ constexpr int kFacade = static_cast<int>(kLevels.size());
 constexpr int kTrajectory = kFacade + 1;
 constexpr int kInitialize = kFacade + 2;
 constexpr int kIo = kFacade + 3;  // libraries of their own
-constexpr int kCalibration = kFacade + 4;
+constexpr int kDistributed = kFacade + 4;
+constexpr int kCalibration = kFacade + 5;
 
 std::string levelName(int level) {
   return level == kFacade        ? "the facade"
          : level == kTrajectory  ? "trajectory"
          : level == kInitialize  ? "initialize"
          : level == kIo          ? "io"
+         : level == kDistributed ? "distributed"
          : level == kCalibration ? "calibration"
                                  : kLevels[static_cast<std::size_t>(level)];
 }
@@ -42,6 +44,7 @@ std::optional<int> levelBelowSlom(const fs::path& path) {
   if (path.begin()->stem() == "trajectory") return kTrajectory;
   if (path.begin()->stem() == "initialize") return kInitialize;
   if (path.begin()->stem() == "io") return kIo;
+  if (path.begin()->stem() == "distributed") return kDistributed;
   if (path.begin()->stem() == "calibration") return kCalibration;
   if (std::next(path.begin()) == path.end()) return kFacade;
   const auto step = std::find(kLevels.begin() + 1, kLevels.end(), path.begin()->string());

@@ -19,7 +19,7 @@ inline void expectPlausibleSeconds(const nlohmann::json& seconds) {
   EXPECT_LE(sum, seconds["total"].get<double>());
 }
 
-/// The keys of docs/graph.md, plausible times, and a trace from the first RSS to the last.
+/// The keys of docs/graph/json.md, plausible times, and a trace from the first RSS to the last.
 inline void expectRunJson(const nlohmann::json& json) {
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);

@@ -66,9 +66,11 @@ void makeSingular(RandomProblem& problem, int block) {
 struct SolverOutcome {
   slom::SolveStatus status;
   VectorXd step, damped_step;
+  Eigen::MatrixXd columns;  // H^-1 B; threads share the columns
   bool operator==(const SolverOutcome& other) const {
     return status.ok == other.status.ok && status.unknown == other.status.unknown &&
-           status.pivot == other.status.pivot && step == other.step && damped_step == other.damped_step;
+           status.pivot == other.status.pivot && step == other.step && damped_step == other.damped_step &&
+           columns == other.columns;
   }
 };
 
@@ -82,6 +84,8 @@ SolverOutcome solved(const RandomProblem& problem, Elimination elimination, int 
   slom::withThreads(threads_to_solve, [&] {
     EXPECT_TRUE(solver.solve(VectorXd::Constant(problem.structure.unknowns(), 1e-3), outcome.damped_step).ok);
     outcome.status = solver.solve({}, outcome.step);
+    const Eigen::MatrixXd B = Eigen::MatrixXd::Identity(problem.structure.unknowns(), 7);
+    EXPECT_EQ(solver.solveFor(B, outcome.columns).ok, outcome.status.ok);
   });
   return outcome;
 }

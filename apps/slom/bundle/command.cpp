@@ -1,5 +1,4 @@
 // `slom bundle`: options, then read -> check -> fit -> report and files.
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,15 +7,19 @@
 
 #include "bundle/bundle.hpp"
 #include "bundle/check.hpp"
+#include "bundle/checkpoint.hpp"
 #include "bundle/fit/fit.hpp"
 #include "bundle/output/output.hpp"
 #include "bundle/output/report.hpp"
+#include "bundle/processes/run.hpp"
 #include "bundle/settings.hpp"
+#include "fitting/checkpoints.hpp"
 #include "fitting/fit_limits.hpp"
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
 #include "fitting/words.hpp"
 #include "help.hpp"
+#include "processes.hpp"
 
 namespace slom::app {
 namespace bundle {
@@ -29,20 +32,18 @@ Fit cameras and points to images, from a BAL file (bundle adjustment).
 Each camera has a pose, a focal length and two coefficients of radial distortion.
 )";
 
-Summary fit(Scene& scene, const Settings& settings, const Console& console, double& setup_seconds) {
+Summary fit(Scene& scene, const SceneNumbers& numbers, const Settings& settings, io::Checkpoint& checkpoint,
+            const Console& console, double& setup_seconds) {
   const Stopwatch setup;
   BundleFit fit(scene, settings.fit);
   setup_seconds = setup.seconds();
-  Options options;
-  options.max_iterations = settings.fit.max_iterations;
   const FitLimits limits(settings.fit.max_seconds);
-  FitLimits::applyTo(options);
-  options.decrease_tolerance = settings.tolerance;
-  options.deviation_tolerance =
-      std::numeric_limits<double>::infinity();  // the standard deviation of a pixel is unknown
-  options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
-  console.print("\n" + iterationHeader());
+  Options options = optionsOf(settings, console);
+  CheckpointClock clock(settings.checkpoint, singleProcess(),
+                        [&] { checkpoint.write(valuesOf(fit.cameras(), fit.points(), numbers)); });
+  clock.follow(options);
   Summary summary = fit.optimize(options);
+  clock.finish();
   FitLimits::nameIn(summary);
   putIntoWordsOfTheCommand(summary);
   fit.writeTo(scene);
@@ -69,26 +70,33 @@ void writeFiles(const Scene& scene, const RunReport& report, const Settings& set
 void run(const RawOptions& raw) {
   const Stopwatch total;
   const Settings settings = parseSettings(raw);
+  if (processCount() > 1 && run_on_processes != nullptr) return run_on_processes(settings, total);
   const Console console(settings.report);
   Scene scene = io::readScene(settings.file);
-  const SceneCheck check = checkScene(scene);
+  const SceneNumbers numbers = SceneNumbers::ofWhole(scene);
+  if (const std::string& from = settings.checkpoint.resume_from; !from.empty())
+    takeValues(io::Checkpoint(from, problemOf(scene, numbers)), numbers, scene);
+  const SceneCheck check = checkScene(scene, numbers);
   std::vector<std::string> results = settings.output_files;
   results.push_back(settings.report.jsonPath());
   requireWritable(results);
+  io::Checkpoint checkpoint(settings.checkpoint.write_to, problemOf(scene, numbers));
+  if (!settings.checkpoint.write_to.empty()) checkpoint.requireWritable();
   RunReport report;
   report.threads = threadsOf(settings.fit);
   report.warnings = check.warnings;
   const double rms_before = scene.rms();
   report.load_seconds = total.seconds();
-  console.print(sceneText(scene, check));
-  report.summary = fit(scene, settings, console, report.setup_seconds);
+  console.print(sceneText(scene.file, numbers, check));
+  report.summary = fit(scene, numbers, settings, checkpoint, console, report.setup_seconds);
   report.total_seconds = total.seconds();
   countFreeDirections(scene, report);
-  if (const std::string text = behindText(scene); !text.empty()) report.summary.warnings.push_back(text);
+  if (const std::string text = behindText(scene, numbers); !text.empty())
+    report.summary.warnings.push_back(text);
   console.print(outcomeText(outcomeOf(report)) + rmsText(rms_before, scene.rms()));
   for (const std::string& warning : report.summary.warnings) console.print("  warning: " + warning + "\n");
   writeFiles(scene, report, settings, console);
-  requireConverged(report, dominantText(scene));
+  requireConverged(report, dominantText(scene, numbers));
 }
 
 }  // namespace
@@ -100,7 +108,7 @@ void addBundleCommand(CLI::App& app) {
   Settings& settings = raw->rest;
   CLI::App& command = *app.add_subcommand("bundle", help_text);
   command.footer(exit_codes);
-  command.add_option("FILE", settings.file, "scene in BAL's format, plain or compressed by bzip2 (.bz2)")
+  command.add_option("FILE", settings.file, "scene in BAL's format, plain or .bz2, or a container")
       ->required()
       ->type_name("");
   addFitOptions(command, raw->fit);
@@ -119,6 +127,7 @@ void addBundleCommand(CLI::App& app) {
       ->type_name("FILE")
       ->allow_extra_args(false);
   addReportOptions(command, settings.report);
+  addCheckpointOptions(command, settings.checkpoint);
   command.callback([raw] { run(*raw); });
 }
 

@@ -6,6 +6,8 @@
 
 #include "bundle/output/output.hpp"
 #include "error.hpp"
+#include "fitting/fit_limits.hpp"
+#include "fitting/progress.hpp"
 #include "output_files.hpp"
 
 namespace slom::app::bundle {
@@ -35,9 +37,22 @@ void checkOutput(const std::string& file) {
 
 }  // namespace
 
+Options optionsOf(const Settings& settings, const Console& console) {
+  Options options;
+  options.max_iterations = settings.fit.max_iterations;
+  FitLimits::applyTo(options);
+  options.decrease_tolerance = settings.tolerance;
+  options.deviation_tolerance =
+      std::numeric_limits<double>::infinity();  // the standard deviation of a pixel is unknown
+  options.observer = [&console](const IterationRecord& record) { console.print(iterationText(record)); };
+  console.print("\n" + iterationHeader());
+  return options;
+}
+
 Settings parseSettings(const RawOptions& raw) {
   Settings settings = raw.rest;
   settings.fit = parseFitOptions(raw.fit);
+  checkCheckpointOptions(settings.checkpoint);
   checkAlgorithm(settings.fit.algorithm);
   checkTolerance(settings.tolerance);
   std::vector<NamedFile> results;

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fitting/checkpoints.hpp"
 #include "fitting/console.hpp"
 #include "fitting/fit_options.hpp"
 
@@ -19,6 +20,7 @@ struct Settings {
   double tolerance = 1e-5;                ///< relative decrease of the RSS below which the fit has converged
   std::vector<std::string> output_files;  ///< BAL or PLY, by extension
   ReportOptions report;
+  CheckpointOptions checkpoint;
 };
 
 /// The options as text from CLI11.
@@ -30,6 +32,9 @@ struct RawOptions {
                     .max_iterations = {}};
   Settings rest;
 };
+
+/// Returns the options of fits within limits, which print their iterations.
+Options optionsOf(const Settings& settings, const Console& console);
 
 /// Reads the texts and checks all values. Throws UserError that names the option.
 Settings parseSettings(const RawOptions& raw);

@@ -203,6 +203,8 @@ std::string agreementLines(const StreamAgreement& agreement) {
                        std::abs(value) / std);
   };
   std::string text;
+  if (agreement.largest_name.empty() && !agreement.contradiction.empty())
+    return "\nsplines minus preintegration\n" + bulleted(agreement.contradiction);
   for (const ImuAgreement& imu : agreement.imus) {
     text += fmt::format("\nimu {}: splines minus preintegration\n", imu.name);
     text += difference("time offset", 1000 * imu.time_offset, 1000 * imu.time_offset_std, "ms");

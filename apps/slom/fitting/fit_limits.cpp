@@ -1,6 +1,7 @@
 #include "fitting/fit_limits.hpp"
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +10,7 @@
 #include <slom/optimize/summary.hpp>
 
 #include "error.hpp"
+#include "processes.hpp"
 
 namespace slom::app {
 
@@ -16,11 +18,18 @@ namespace {
 
 volatile std::sig_atomic_t was_interrupted = 0;
 const FitLimits* current = nullptr;
-struct sigaction before {};
+/// Signals that end a fit. mpirun turns Ctrl-C into SIGTERM and passes on SIGUSR1, so several processes take these, too.
+constexpr std::array<int, 3> ending_signals{SIGINT, SIGTERM, SIGUSR1};
+struct sigaction before[ending_signals.size()];
+std::size_t caught = 0;  // number of the first signals that are caught
+
+void restoreSignals() {
+  for (std::size_t i = 0; i < caught; ++i) ::sigaction(ending_signals[i], &before[i], nullptr);
+}
 
 void interrupt(int) {
   was_interrupted = 1;
-  ::sigaction(SIGINT, &before, nullptr);
+  restoreSignals();
 }
 
 std::string limitReached(double max_seconds) {
@@ -49,16 +58,22 @@ FitLimits::FitLimits(double max_seconds, Interrupts interrupts) : max_seconds_(m
 }
 
 FitLimits::~FitLimits() {
-  if (catches_interrupts_) ::sigaction(SIGINT, &before, nullptr);
+  if (catches_interrupts_) restoreSignals();
+  caught = 0;
   current = nullptr;
 }
 
 void FitLimits::catchInterrupts() {
-  if (::sigaction(SIGINT, nullptr, &before) != 0 || before.sa_handler == SIG_IGN) return;
+  if (::sigaction(SIGINT, nullptr, &before[0]) != 0 || before[0].sa_handler == SIG_IGN) return;
   struct sigaction ours {};
   ours.sa_handler = interrupt;
   ::sigemptyset(&ours.sa_mask);
-  catches_interrupts_ = ::sigaction(SIGINT, &ours, nullptr) == 0;
+  const std::size_t count = processCount() > 1 ? ending_signals.size() : 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (::sigaction(ending_signals[i], &ours, &before[i]) != 0) break;
+    caught = i + 1;
+  }
+  catches_interrupts_ = caught > 0;
 }
 
 bool FitLimits::wasInterrupted() { return was_interrupted != 0; }

@@ -27,8 +27,8 @@ struct RunEnded : std::runtime_error {
 };
 
 /// Limits in force during an object's lifetime. The first SIGINT ends the work with the best values reached, the second
-/// ends the program. If SIGINT was ignored before, it stays ignored. The time limit counts from construction. There is
-/// at most one object at a time.
+/// ends the program. On several processes, so do SIGTERM and SIGUSR1. If SIGINT was ignored before, all stay as they
+/// were. The time limit counts from construction. There is at most one object at a time.
 class FitLimits {
  public:
   /// Effect of SIGINT until catchInterrupts() is called.

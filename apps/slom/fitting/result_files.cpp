@@ -9,6 +9,15 @@
 
 namespace slom::app {
 
+void ResultFiles::begin(const std::string& file) {
+  if (isWanted(file)) files_.open(file);
+  if (!file.empty()) note(file, isWanted(file));
+}
+
+void ResultFiles::note(const std::string& file, bool is_wanted) {
+  said_ += (is_wanted ? "written: " : "not written, because the fit failed: ") + oneLine(file) + "\n";
+}
+
 void ResultFiles::finish(const Console& console) {
   const std::string json = options_.json_file.empty() ? "" : toJson(report_);
   if (!options_.jsonPath().empty()) add(options_.jsonPath(), true, [&] { return json; });

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "fitting/console.hpp"
 #include "fitting/run_report.hpp"
 #include "output_files.hpp"
-#include "printable.hpp"
 
 namespace slom::app {
 
@@ -22,6 +22,12 @@ class ResultFiles {
   void add(const std::string& file, const F& content) {
     if (!file.empty()) add(file, report_.summary.converged, content);
   }
+  /// Returns whether the file is wanted: it has a name, and the fit did not fail.
+  bool isWanted(const std::string& file) const { return !file.empty() && report_.summary.converged; }
+  /// Begins a file that is written in pieces, if it is wanted; append() adds to it, end() ends it.
+  void begin(const std::string& file);
+  void append(std::string_view piece) { files_.append(piece); }
+  void end() { files_.close(); }
   /// Writes the JSON and gives all files their names. Prints which files were written.
   void finish(const Console& console);
 
@@ -29,8 +35,10 @@ class ResultFiles {
   template <class F>
   void add(const std::string& file, bool is_wanted, const F& content) {
     if (is_wanted) files_.add(file, content());
-    said_ += (is_wanted ? "written: " : "not written, because the fit failed: ") + oneLine(file) + "\n";
+    note(file, is_wanted);
   }
+  /// Notes for the report whether a file was written.
+  void note(const std::string& file, bool is_wanted);
 
   const RunReport& report_;
   const ReportOptions& options_;

@@ -34,7 +34,7 @@ struct RunReport {
   double total_seconds = 0;  ///< from the start of the run to the end of the fit, before files
 };
 
-/// Returns the report as JSON with the keys of docs/graph.md.
+/// Returns the report as JSON with the keys of docs/graph/json.md.
 std::string toJson(const RunReport& report);
 
 /// Returns the peak memory of this process so far [MB, 10^6 bytes].

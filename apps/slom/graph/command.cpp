@@ -1,5 +1,6 @@
 // `slom graph`: options, then read -> start -> fit -> report and files.
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -11,10 +12,12 @@
 #include <slom/io/g2o.hpp>
 
 #include "error.hpp"
+#include "fitting/checkpoints.hpp"
 #include "fitting/fit_limits.hpp"
 #include "fitting/progress.hpp"
 #include "fitting/result_files.hpp"
 #include "fitting/words.hpp"
+#include "graph/checkpoint.hpp"
 #include "graph/fit/fit.hpp"
 #include "graph/graph.hpp"
 #include "graph/information.hpp"
@@ -26,9 +29,11 @@
 #include "graph/output/report.hpp"
 #include "graph/output/sketch.hpp"
 #include "graph/output/svg.hpp"
+#include "graph/processes/run.hpp"
 #include "graph/settings.hpp"
 #include "help.hpp"
 #include "output_files.hpp"
+#include "processes.hpp"
 
 namespace slom::app {
 namespace graph {
@@ -42,6 +47,12 @@ Poses and landmarks are in the plane or in space; edges have information matrice
 no lines FIX, the report says what is fixed. If it has no vertices, start values are found.
 )";
 
+template <class Pose>
+io::Checkpoint checkpointIn(const std::string& folder, const PoseGraph<Pose>& graph) {
+  return {folder, problemOf(graph, std::int64_t(graph.poses.size()), std::int64_t(graph.landmarks.size()),
+                            std::int64_t(graph.edges.size()))};
+}
+
 /// Performs all steps between reading and fitting.
 template <class Pose>
 Preparation prepareOrThrow(PoseGraph<Pose>& graph, const Settings& settings) {
@@ -53,7 +64,11 @@ Preparation prepareOrThrow(PoseGraph<Pose>& graph, const Settings& settings) {
                     " has bearings or priors, which cannot be fed pose by pose; leave the option out");
   }
   preparation.gauge = fixGauge(graph, settings.hold_parts);
-  if (settings.online == Online::no) {
+  if (const std::string& from = settings.checkpoint.resume_from; !from.empty()) {
+    takeValues(checkpointIn(from, graph), graph);
+    graph.has_vertices = true;
+    preparation.start.emplace().is_checkpoint = true;
+  } else if (settings.online == Online::no) {
     preparation.start = findStart(graph, settings.init, settings.model());
   } else {
     const Roots<Pose> roots(graph);
@@ -71,17 +86,6 @@ Preparation prepare(PoseGraph<Pose>& graph, const Settings& settings) {
     if (skipped.empty()) throw;
     throw UserError(fmt::format("{} ({})", error.what(), fmt::join(skipped, ", ")));
   }
-}
-
-/// Returns the options of fits within limits.
-Options optionsOf(const Settings& settings, const Console& console) {
-  Options options;
-  options.max_iterations = settings.fit.max_iterations;
-  FitLimits::applyTo(options);
-  options.deviation_tolerance = 1e-4;  // enough for a map
-  options.observer = [&](const IterationRecord& record) { console.print(iterationText(record)); };
-  console.print("\n" + iterationHeader());
-  return options;
 }
 
 /// The map over time, if wanted, and the order in which its poses came; empty: not pose by pose.
@@ -125,7 +129,13 @@ Film fit(PoseGraph<Pose>& graph, const Gauge& gauge, const Settings& settings, c
     const Stopwatch setup;
     GraphFit<Pose> fit(graph, gauge, settings.model());
     report.setup_seconds = setup.seconds();
-    report.summary = fit.optimize(optionsOf(settings, console));
+    Options options = optionsOf(settings, console);
+    io::Checkpoint checkpoint = checkpointIn(settings.checkpoint.write_to, graph);
+    CheckpointClock clock(settings.checkpoint, singleProcess(),
+                          [&] { checkpoint.write(valuesOf(graph, fit, [](const auto&) { return true; })); });
+    clock.follow(options);
+    report.summary = fit.optimize(options);
+    clock.finish();
     if (hasCrept(report.summary) || settings.repair_information)
       warnOfWeakDirections(fit.estimator(), report.summary);
     fit.writeTo(graph);
@@ -165,6 +175,8 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
     throw UserError(fmt::format("--plot {}: this graph is in space; give FILE.html, a page to turn it on",
                                 settings.plot_file));
   }
+  if (const std::string& to = settings.checkpoint.write_to; !to.empty())
+    checkpointIn(to, graph).requireWritable();
   const Preparation preparation = prepare(graph, settings);
   RunReport report;
   report.threads = threadsOf(settings.fit);
@@ -186,6 +198,7 @@ void run(PoseGraph<Pose> graph, const Settings& settings, const Stopwatch& total
 void run(const RawOptions& raw) {
   const Stopwatch total;
   const Settings settings = parseSettings(raw);
+  if (processCount() > 1 && run_on_processes != nullptr) return run_on_processes(settings, total);
   io::AnyPoseGraph graph = io::readPoseGraph(settings.file);
   requireWritable({settings.output_file, settings.report.jsonPath(), settings.plot_file});
   std::visit([&](auto& any) { run(std::move(any), settings, total); }, graph);
@@ -200,7 +213,9 @@ void addGraphCommand(CLI::App& app) {
   Settings& settings = raw->rest;
   CLI::App& command = *app.add_subcommand("graph", help_text);
   command.footer(exit_codes);
-  command.add_option("FILE", settings.file, "graph in the format of g2o or TORO")->required()->type_name("");
+  command.add_option("FILE", settings.file, "graph in the format of g2o or TORO, or a container")
+      ->required()
+      ->type_name("");
   addFitOptions(command, raw->fit);
   addLossOption(command, raw->fit);
   command
@@ -232,6 +247,7 @@ void addGraphCommand(CLI::App& app) {
                   "FILE.html, a page on which to turn it")
       ->type_name("FILE");
   addReportOptions(command, settings.report);
+  addCheckpointOptions(command, settings.checkpoint);
   command.callback([raw] { run(*raw); });
 }
 

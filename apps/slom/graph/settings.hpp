@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "fitting/checkpoints.hpp"
 #include "fitting/console.hpp"
 #include "fitting/fit_options.hpp"
 #include "graph/fit/model.hpp"
@@ -23,6 +24,7 @@ struct Settings {
   std::string output_file;  ///< empty: none
   std::string plot_file;    ///< empty: none
   ReportOptions report;
+  CheckpointOptions checkpoint;
 
   GraphModel model() const { return {fit, rotation_error}; }
 };
@@ -35,6 +37,9 @@ struct RawOptions {
   std::string online;
   Settings rest;
 };
+
+/// Returns the options of fits within limits, which print their iterations.
+Options optionsOf(const Settings& settings, const Console& console);
 
 /// Reads the texts and checks all values. Throws UserError that names the option.
 Settings parseSettings(const RawOptions& raw);

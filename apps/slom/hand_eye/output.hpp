@@ -19,7 +19,7 @@ std::string streamsText(const Streams& streams);
 std::string resultText(const Streams& streams, const calibration::HandEyeResult& result);
 /// Returns why a calibration failed, in a sentence.
 std::string failureText(const Streams& streams, const calibration::HandEyeResult& result);
-/// Returns the JSON with the keys of docs/hand_eye.md.
+/// Returns the JSON with the keys of docs/hand_eye_results.md.
 std::string toJson(const Streams& streams, const calibration::HandEyeResult& result);
 
 }  // namespace slom::app::hand_eye

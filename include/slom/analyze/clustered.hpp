@@ -105,7 +105,7 @@ class ClusterBy {
   /// the groups are windows of time.
   static ClusterBy blocks(std::string dimension, std::int64_t length);
 
-  /// Returns the name of the grouping in reports: that of the dimension or of the type, or the given one.
+  /// Returns the name of the grouping in reports: the given name, or the name of the dimension or type.
   const std::string& name() const { return name_; }
 
  private:
@@ -121,8 +121,8 @@ class ClusterBy {
 /// Options: which measurements share errors, and how residuals are corrected.
 struct ClusterOptions {
   /// The ways of grouping, such as images and corners of the board. Errors of two measurements may be dependent if any
-  /// of the ways puts them into one group. Variances are at least those of each way alone. Empty: the groups made by
-  /// slom::group without a name or, if there are none, those of its only name.
+  /// of the ways puts them into one group. Variances are at least as large as for each way alone. Empty: the groups
+  /// made by slom::group without a name or, if there are none, the groups of its only name.
   ///   source   Cameron, Gelbach and Miller, "Robust inference with multiway clustering", 2011
   std::vector<ClusterBy> by{};
   /// Correction of residuals. cr2 is too small if the fit follows a group closely, for example a group much larger than
@@ -143,8 +143,9 @@ struct ClusterOptions {
   /// there are groups; the values are restored afterwards. Step and fits differ if losses or nonlinearity matter within
   /// the influence of a group.
   bool refit = false;
-  /// Maximum number of columns of H^-1 that are computed to find leverages, if groups share unknowns that do not meet
-  /// in them. Groups that need more columns are corrected as by cr1, and a note says so.
+  /// Maximum number of columns of H^-1 that are computed for leverages. They are needed if selected inversion lacks
+  /// blocks of the unknowns that a group shares with others. Groups that need more columns are corrected as by cr1,
+  /// and a note says so.
   int most_columns = 5000;
 };
 
@@ -152,8 +153,8 @@ struct ClusterOptions {
 struct ClusterCheck {
   std::string group;
   int measurements = 0;
-  /// How far the group pulls the values. It has a chi-square distribution if the errors of the group are independent,
-  /// as stated.
+  /// Pull of the group on the values. If the errors of the group are independent, as stated, it has a chi-square
+  /// distribution.
   double statistic = 0;
   int dof = 0;             ///< number of combinations of the values that the group pulls at
   double probability = 1;  ///< of a statistic at least as large, for such errors
@@ -187,9 +188,9 @@ std::ostream& operator<<(std::ostream& os, const ClusterOutliers& outliers);
 /// Afterwards all functions throw [slom.stale-clustered].
 class Clustered {
  public:
-  /// Returns the covariance in the tangent space, dof x dof; 0 for components that are fixed or at an active bound. The
-  /// contribution of measurements without a group is taken as stated. So is what a single group determines alone, such
-  /// as an image its pose: see statedShare.
+  /// Returns the covariance in the tangent space, dof x dof; 0 for components that are fixed or at an active bound.
+  /// The contribution of measurements without a group is taken as stated. So is the contribution of directions that a
+  /// single group determines alone, such as the pose of an image: see statedShare.
   template <AnyVariableHandle V>
   Eigen::MatrixXd covariance(const V& id) const {
     return jointCovariance(id);

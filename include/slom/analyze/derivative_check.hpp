@@ -54,10 +54,10 @@ DerivativeCheck checkDerivatives(const Estimator& est);
 DerivativeCheck compareDerivatives(const Problem& problem,
                                    int most_of_group = std::numeric_limits<int>::max());
 
-/// Returns the groups with derivatives given by hand that are certainly wrong, from `most_of_group` measurements of
-/// each. The error must exceed kDoubtful. It must also exceed 5 times the differences among central, extrapolated and
-/// one-sided differences. So noise, kinks, steps and ends of a function's domain do not make a correct derivative look
-/// wrong.
+/// Returns the groups whose derivatives given by hand are certainly wrong, by a check of `most_of_group` measurements
+/// of each group. The error must exceed kDoubtful, and 5 times the discrepancies among central, extrapolated and
+/// one-sided differences. So a correct derivative passes in spite of noise, kinks, steps and ends of a function's
+/// domain.
 DerivativeCheck findWrongDerivatives(const Problem& problem, int most_of_group);
 
 }  // namespace slom

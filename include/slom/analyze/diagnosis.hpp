@@ -14,7 +14,7 @@ class Estimator;
 /// A quantity that the measurements do not or hardly determine, in a sentence.
 struct Finding {
   enum class Kind {
-    /// A rigid motion or a scale of everything, or a shift of several numbers, changes no residual.
+    /// A rigid motion or scaling of all variables, or a common shift of several numbers, changes no residual.
     gauge,
     undetermined,           ///< other directions in which variables can move without changing any residual
     unmeasured_variable,    ///< no measurement depends on the variable

@@ -20,9 +20,8 @@ struct ParameterInterval {
   double value = 0;               ///< as ParameterSummary::value
   double standard_deviation = 0;  ///< as ParameterSummary; 0 for a component at its bound
   double lower = 0, upper = 0;    ///< in the units of the value
-  /// True: by profile likelihood, as slom::profile. False for components that are not coordinates, such as those
-  /// of rotations. Their interval is the value plus and minus Student's or the normal quantile times the standard
-  /// deviation.
+  /// True: by profile likelihood, as slom::profile. False for components that are not coordinates, such as components
+  /// of rotations: the interval is then the value +- the standard deviation times the normal or Student's quantile.
   bool is_profile = true;
 };
 

@@ -2,8 +2,8 @@
 ///
 /// A whitened residual w is smaller than its error, because the fit follows each measurement a little. Its covariance
 /// is Q = I - J C J^T, with C the covariance of the variables. The trace of Q is the measurement's redundancy. It is 0
-/// if nothing checks the measurement, and the length of the residual if all else determines the fit. T = w^T Q^-1 w has
-/// a chi-square distribution if the measurement is good.
+/// if no other measurement checks this one, and the length of the residual if all others determine the fit. T = w^T
+/// Q^-1 w has a chi-square distribution if the measurement is good.
 ///   source   Baarda, "A testing procedure for use in geodetic networks", 1968; Cook and Weisberg, "Residuals and
 ///            influence in regression", 1982, chapters 2 and 3
 /// With Sigma::estimated, the variance factor comes from all other measurements, so an error does not hide itself. T is

@@ -38,7 +38,7 @@ struct Preflight {
 std::ostream& operator<<(std::ostream& os, const Preflight& preflight);
 
 /// Checks the problem before solving. Evaluates every measurement once at the current values, compares derivatives of
-/// some of each group, counts residuals, and diagnoses the rest. Throws nothing for what it finds.
+/// some of each group, counts residuals, and diagnoses the rest. Faults are returned, not thrown.
 Preflight preflight(const Estimator& est);
 
 }  // namespace slom

@@ -23,10 +23,10 @@ struct ProfileInterval {
 std::ostream& operator<<(std::ostream& os, const ProfileInterval& interval);
 
 /// Returns the interval in which a component of the variable, a VarID, lies with this probability, by profile
-/// likelihood. At the ends of the interval, the best fit of everything else has an RSS that is larger by the quantile
-/// of chi-square. With Sigma::estimated, it is larger by the square of Student's quantile for the redundancy, times
-/// the variance factor (F(1, redundancy): Bates and Watts, "Nonlinear regression analysis", 1988, section 6.1). If the
-/// RSS is not quadratic, the interval says more than the standard deviation.
+/// likelihood. At the ends of the interval, the RSS of the best fit of all other components exceeds the minimum by the
+/// quantile of chi-square. With Sigma::estimated, it exceeds the minimum by the square of Student's quantile for the
+/// redundancy, times the variance factor (F(1, redundancy): Bates and Watts, "Nonlinear regression analysis", 1988,
+/// section 6.1). If the RSS is not quadratic, use the interval instead of the standard deviation.
 ///
 /// Works for coordinates of vectors, at the values of a fit, which are restored afterwards. An end that is not reached
 /// within 1000 standard deviations is infinite. If the component's bound is reached first, the interval ends there. If
@@ -37,11 +37,11 @@ ProfileInterval profile(Estimator& est, const VariableHandle& id, const std::str
                         double probability = 0.95);
 /// Returns the interval of a variable that has one component.
 ProfileInterval profile(Estimator& est, const VariableHandle& id, double probability = 0.95);
-/// Returns the interval for errors that measurements share. At its ends the best fit of everything else is worse by
-/// (t s / s_stated)^2. Here s is the clustered standard deviation, s_stated the stated one, and t Student's quantile
-/// for the degrees of freedom of s. If the RSS is quadratic, the interval equals Clustered::interval. The values move
-/// meanwhile, so `clustered` and other results computed from them are stale afterwards. Throws [slom.stale-clustered],
-/// [slom.no-clustered-deviation] and as above.
+/// Returns the interval for errors that measurements share. At its ends, the RSS of the best fit of all other
+/// components exceeds the minimum by (t s / s_stated)^2. Here s is the clustered standard deviation, s_stated the
+/// stated one, and t Student's quantile for the degrees of freedom of s. If the RSS is quadratic, the interval equals
+/// Clustered::interval. The call moves the values, so `clustered` and other results computed from them are stale
+/// afterwards. Throws [slom.stale-clustered], [slom.no-clustered-deviation] and as above.
 ProfileInterval profile(Estimator& est, const VariableHandle& id, const std::string& path,
                         const Clustered& clustered, double probability = 0.95);
 

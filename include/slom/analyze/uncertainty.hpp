@@ -22,13 +22,13 @@ enum class Sigma {
   estimated,  ///< only their ratios are right: covariances are multiplied by RSS / redundancy
 };
 
-/// Covariances if the measurements leave a rigid motion or a scale of everything free.
+/// Covariances if the measurements leave a rigid motion or the scale of all variables free.
 enum class FreeGauge {
   error,  ///< none: covariance throws [slom.free-gauge], which names the free motions
-  /// Covariances of the free network: the pseudo-inverse of J^T J, which has the smallest trace of all choices (Baarda,
-  /// "S-transformations and criterion matrices", 1973), in the units of the unknowns. With every algorithm, optimize()
-  /// then ends at those of the best values that are nearest to the start values: N^T (x [-] start) = 0, with the free
-  /// directions N.
+  /// Covariances of the free network: the pseudo-inverse of J^T J, which has the smallest trace of all choices
+  /// (Baarda, "S-transformations and criterion matrices", 1973), in the units of the unknowns. With every algorithm,
+  /// optimize() then ends at the best values nearest to the start values: N^T (x [-] start) = 0, with the free
+  /// directions as columns of N.
   inner_constraints,
 };
 
@@ -45,8 +45,8 @@ void propagate(const double* J, const double* C, int m, int n, double* out);
 void requireCovarianceSize(Eigen::Index rows, Eigen::Index columns, int n);
 }  // namespace detail
 
-/// Marginal covariances of all variables, at the values at which they were computed. They remain available for the
-/// variables of that time, whatever has been inserted or removed since.
+/// Marginal covariances of all variables, at the values at which they were computed. Later insertions and removals do
+/// not affect them.
 class Marginals {
  public:
   /// Returns the covariance in the tangent space, dof x dof; 0 for a fixed variable. Throws [slom.stale-marginals] for

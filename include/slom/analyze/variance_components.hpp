@@ -6,10 +6,11 @@
 ///     slom::apply(v, est);     // sets the stated standard deviations to the estimated ones
 ///     est.optimize();
 ///
-/// All stated covariances of kind k are assumed to be wrong by one factor theta_k = f_k^2. The restricted likelihood is
-/// that of the residuals alone, so what the fit absorbs does not count as accuracy. At its maximum, |v_k|^2 =
-/// redundancy_k for each kind, with v_k the residuals in units of the estimated standard deviations. An error that the
-/// measurements of a group share is a further component. docs/decisions/variance_components.md has the formulas.
+/// All stated covariances of kind k are assumed to be wrong by one factor theta_k = f_k^2. The restricted likelihood
+/// accounts for the unknowns: errors that the fit absorbs do not make measurements look more accurate. At its maximum,
+/// |v_k|^2 = redundancy_k for each kind, with v_k the residuals in units of the estimated standard deviations. An
+/// error that the measurements of a group share is a further component. docs/decisions/variance_components.md has the
+/// formulas.
 ///   source   Patterson and Thompson, "Recovery of inter-block information when block sizes are unequal", 1971;
 ///            Foerstner, "Ein Verfahren zur Schaetzung von Varianz- und Kovarianzkomponenten", 1979; Koch, "Parameter
 ///            estimation and hypothesis testing in linear models", 1999, section 3.6
@@ -65,7 +66,7 @@ struct VarianceComponent {
   int residuals = 0;  ///< scalar residuals; for a shared error its unknowns in all groups
   /// Redundancy of these residuals at the estimated variances: the part that the fit does not absorb.
   double redundancy = 0;
-  /// If false, factor is that of the stated standard deviations, 1, or 0 for a shared error.
+  /// If false, `factor` is not an estimate: 1, as stated, or 0 for a shared error.
   bool is_estimated = true;
   std::string reason;  ///< reason why it is not estimated
 

@@ -35,7 +35,7 @@ struct ImuFinding {
   enum class Kind {
     sign,        ///< the readings leave up or down open
     handedness,  ///< readings point down although up is expected, as with left-handed axes
-    gravity,     ///< gravity is not that of the Earth
+    gravity,     ///< gravity differs from the Earth's
     misfit,      ///< the readings do not agree with the images
     weak,        ///< bias and gravity are hard to separate
   };

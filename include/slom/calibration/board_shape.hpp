@@ -10,9 +10,9 @@ namespace slom::calibration {
 
 /// Which positions of the board's corners are estimated.
 enum class BoardShape {
-  flat,  ///< none: the corners are where the data say
+  flat,  ///< none: the corners are at their stated positions
   bent,  ///< a bend: heights over the plane are a second-degree polynomial in the plane, with 3 unknowns
-  /// Each corner, with 3 unknowns, near where the data say. The overall size of the board stays as stated.
+  /// Each corner has 3 unknowns, near its stated position. The overall size of the board stays as stated.
   free,
 };
 /// Returns `flat`, `bent` or `free`.

@@ -4,8 +4,8 @@
 /// A model with more parameters always fits better. Whether it also predicts better shows on images that it was not
 /// fitted to. The images are divided into folds. For each fold, lenses and poses between cameras are fitted to the
 /// images of the other folds, and fixed. In each image of the fold, the pose of the board is fitted to every other
-/// corner, and the remaining corners are predicted. Then the two halves of the corners change roles. So every corner is
-/// predicted once, by values that it did not contribute to. The IMU is not used.
+/// corner, and the remaining corners are predicted. Then the two halves of the corners change roles. So every corner
+/// is predicted once, by values to which it did not contribute. The IMU is not used.
 #pragma once
 
 #include <optional>
@@ -48,8 +48,8 @@ struct Comparison {
   const ModelTrial& chosenTrial() const;
 };
 
-/// Fits each of the models, at least one. If a model fails, such as a pinhole on a fisheye's images, or if the time is
-/// over, its trial says so.
+/// Fits each of the models, at least one. If a model fails, such as a pinhole on images of a fisheye, or if the time
+/// is over, its trial has the reason.
 Comparison compareModels(const Dataset& data, const Settings& settings, const std::vector<Model>& models);
 
 /// Compares a flat, a bent and a free board with one model, Settings::model. Like lenses, the shape is fitted without

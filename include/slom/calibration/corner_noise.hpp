@@ -36,7 +36,7 @@ struct CornerNoise {
   double factor = 1;
   double lower_quarter = 1, upper_quarter = 1;  ///< sigma(x) at the quartiles of x
 
-  /// Returns sigma(x). For NaN, if x is unknown, returns that of the typical x.
+  /// Returns sigma(x). If x is unknown (NaN), returns sigma of the typical x.
   double at(double x) const;
 };
 

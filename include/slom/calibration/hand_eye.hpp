@@ -61,9 +61,9 @@ struct HandEyeSettings {
   /// If false, time_offset_s is taken as known.
   bool estimate_offset = true;
   double time_offset_s = 0;  ///< t_hand = t_camera + time_offset_s; used if estimate_offset is false
-  /// If true, the camera's translations are known up to a factor, as those of a monocular map.
+  /// If true, the camera's translations are known up to a factor, as in a monocular map.
   bool estimate_scale = false;
-  /// If true, pose i of one stream belongs to pose i of the other, and times do not count.
+  /// If true, pose i of one stream belongs to pose i of the other, and times are ignored.
   bool pairs = false;
   /// If true, base or target drift, as in odometry and visual odometry. Motions over motion_s are then compared (A X = X
   /// B) instead of poses, and base_T_target does not exist.
@@ -139,13 +139,13 @@ struct HandEyeResult {
   /// Root mean square turns of the hand about three axes orthogonal to each other, the largest first.
   vec3 turns_deg{0., 0., 0.};
 
-  /// Returns whether the fit has converged and the motion determines everything.
+  /// Returns whether the fit has converged and the motion determines all values.
   bool success() const { return converged && free.empty(); }
 };
 
-/// Calibrates a camera on a hand. Gross errors are found and left out. If the motion leaves something free, the result
-/// says what, and holds that at 0 (translations, rotations at their start) so that everything else has its uncertainty.
-/// Throws DataError:
+/// Calibrates a camera on a hand. Gross errors are found and left out. If the motion leaves directions free, the
+/// result names them. They are held (translations at 0, rotations at their start), so that all other values have an
+/// uncertainty. Throws DataError:
 ///   [slom.calibration.bad-stream]      fewer than 3 poses, a pose that is not finite, a time earlier than the one
 ///                                      before, no times, pairs of streams with different numbers of poses
 ///   [slom.calibration.bad-settings]    a number that is not in its range

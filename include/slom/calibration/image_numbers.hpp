@@ -42,8 +42,8 @@ class ImageNumbers {
   std::size_t paired_ = 0;
 };
 
-/// Returns the time [ns] that these digits state, if they are as many as those of the time since 1970 in nanoseconds (19)
-/// or microseconds (16); otherwise nothing.
+/// Returns the time since 1970 [ns] that the digits state: 19 digits are nanoseconds, 16 digits microseconds.
+/// Otherwise returns nothing.
 std::optional<std::int64_t> timeInDigits(const std::string& digits);
 
 /// Returns a sentence such as `image numbers are time stamps, and those of one moment differ by up to 1500 (3 % of

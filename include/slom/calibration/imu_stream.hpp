@@ -36,7 +36,7 @@ struct ImuStream {
   std::optional<ImuNoise> noise{};  ///< nothing: estimated from the residuals
 };
 
-/// What is estimated of an IMU's axes (slom::ImuModel). The names are those of Kalibr.
+/// Errors of an IMU's axes that are estimated (slom::ImuModel), with the names of Kalibr.
 enum class ImuAxes {
   calibrated,                      ///< nothing
   scale_misalignment,              ///< force_axes, gyro_axes, gyro_by_force
@@ -67,6 +67,11 @@ struct StreamSettings {
   bool camera_offsets = false;
   /// Called after each iteration of the fits by splines; may be empty.
   std::function<void(const IterationRecord&)> progress{};
+};
+
+/// A number and its standard deviations: as stated, and for errors that neighbouring images share.
+struct StreamNumber {
+  double value = 0, std = unknown, std_clustered = unknown;
 };
 
 /// A vector and the standard deviations of its components: as stated, and for errors that neighbouring images share.
@@ -102,7 +107,7 @@ struct AllanDeviation {
   double gyro = 0, force = 0;  ///< RMS of three axes [rad/s], [m/s^2]
 };
 
-/// A reading that jumps off the readings around, as no motion does. It was left out.
+/// A reading that was left out because it differs from its neighbours more than any motion explains.
 struct ImuSpike {
   bool is_gyro = false;
   int axis = 0;            ///< 0 to 2
@@ -124,7 +129,8 @@ struct ImuAgreement {
   vec3 rotation{0., 0., 0.},
       rotation_std{unknown, unknown, unknown};        ///< about the axes of the reference camera [rad]
   double time_offset = 0, time_offset_std = unknown;  ///< [s]
-  /// Of the errors of axes, in the order of ImuAxesResult::std; empty unless both fits estimate the same ones.
+  /// Differences of the errors of axes, in the order of ImuAxesResult::std; empty unless both fits estimate the same
+  /// errors.
   std::vector<double> axes{}, axes_std{};
 
   /// Returns the largest difference in standard deviations, and its name, as `imu0.translation.x`.
@@ -164,7 +170,7 @@ struct ImuStreamResult {
   double rms_gyro = unknown, rms_force = unknown;
   ImuNoise noise;               ///< densities of the fit
   bool noise_is_given = false;  ///< from the caller, not from the residuals
-  /// Residuals divided by what `noise` predicts, as root mean square: 1 if the stated noise is right.
+  /// Root mean square of the residuals, divided by the value that `noise` predicts: 1 if the stated noise is right.
   double gyro_ratio = unknown, force_ratio = unknown;
   std::vector<ImuResidual> residuals;  ///< in the order of time
   double rest_from = unknown,
@@ -177,11 +183,9 @@ struct ImuStreamResult {
   vec3 gyro_bias_std{unknown, unknown, unknown}, gyro_bias_clustered{unknown, unknown, unknown};
   vec3 force_bias_std{unknown, unknown, unknown}, force_bias_clustered{unknown, unknown, unknown};
   std::vector<BiasJump> jumps;  ///< in the order of time; biases are those before the first one
-};
-
-/// A number and its standard deviations: as stated, and for errors that neighbouring images share.
-struct StreamNumber {
-  double value = 0, std = unknown, std_clustered = unknown;
+  /// Lag of the accelerometer behind the gyroscope [s]; nothing: no lag was found. The fit assumes one clock for both.
+  /// If residuals exceed the noise, the standard deviation is larger than stated by the same factor.
+  std::optional<StreamNumber> force_lag{};
 };
 
 /// When one camera sees its corners: row v of an image with the time t_camera is read at
@@ -244,15 +248,15 @@ StreamResult calibrateStreams(const Dataset& data, const Settings& settings, con
                               const std::vector<ImuStream>& imus, const StreamSettings& stream = {});
 
 /// Reads an IMU from a table with a header and seven columns: time, angular velocity [rad/s], specific force [m/s^2].
-/// The header may state the unit of the times: `t_s`, `t_ms`, `t_us`, `t_ns`, `timestamp [us]`. Otherwise times are seconds
-/// if they have a decimal point, and ns if not. EuRoC's and Kalibr's
-/// files have this form. A folder: data.csv in it, as EuRoC has it. Throws the errors of io::openInput, and DataError [slom.calibration.bad-file] with file and line
-/// for malformed rows and for times that do not rise.
+/// The header may state the unit of the times: `t_s`, `t_ms`, `t_us`, `t_ns`, `timestamp [us]`. Otherwise times with a
+/// decimal point are seconds, others ns. EuRoC's and Kalibr's files have this form. If the name is a folder, reads the
+/// data.csv in it, as EuRoC has it. Throws the errors of io::openInput, and DataError [slom.calibration.bad-file] with
+/// file and line for malformed rows and for times that do not rise.
 ImuStream readImuStream(const std::string& name, const std::string& path);
 
 /// Reads densities of noise from Kalibr's imu.yaml: gyroscope_noise_density, gyroscope_random_walk,
-/// accelerometer_noise_density, accelerometer_random_walk. EuRoC's sensor.yaml has these keys, too; a folder: that in it.
-/// Throws likewise.
+/// accelerometer_noise_density, accelerometer_random_walk. EuRoC's sensor.yaml has these keys too. If the name is a
+/// folder, reads the sensor.yaml in it. Throws likewise.
 ImuNoise readImuNoise(const std::string& path);
 
 }  // namespace slom::calibration

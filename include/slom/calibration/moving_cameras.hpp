@@ -27,9 +27,9 @@ struct MovingCameras {
 
 /// Calibrates each camera by its own images, finds start values of clocks and poses on the rig from the angular
 /// velocities, and fits cameras and IMUs together by splines. Estimates the time offsets of cameras if
-/// StreamSettings::camera_offsets is true, otherwise trusts the times of the views; and the line delays of all cameras if
-/// Settings::rolling_shutter is true. Images of different cameras need not be simultaneous, and their clocks may have any
-/// epochs. Image numbers say nothing.
+/// StreamSettings::camera_offsets is true, otherwise trusts the times of the views; and the line delays of all cameras
+/// if Settings::rolling_shutter is true. Images of different cameras need not be simultaneous, and their clocks may
+/// have any epochs. Image numbers are ignored.
 ///
 /// Throws DataError as calibrate() and calibrateStreams(), and:
 ///   bad-settings  camera offsets of a single camera

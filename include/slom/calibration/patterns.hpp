@@ -59,8 +59,8 @@ const char* toString(ResidualPattern::Kind kind);
 /// their rows seem to be read out one after another.
 bool isExplained(const ResidualPattern& pattern, const Result& result);
 
-/// Returns what the pattern says about the images, and the remedy. Throws [slom.calibration.bad-question] if the result
-/// has no such camera.
+/// Returns a sentence with the meaning of the pattern for the images, and the remedy. Throws
+/// [slom.calibration.bad-question] if the result has no such camera.
 std::string sentenceOf(const ResidualPattern& pattern, const Result& result);
 
 }  // namespace slom::calibration

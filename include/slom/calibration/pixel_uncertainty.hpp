@@ -23,11 +23,11 @@ struct PixelCovariance {
   double largestStd() const;
 };
 
-/// Projection uncertainty. A fixed point in front of the rig is seen in a pixel. A calibration from other images of the
-/// same boards would project the point to another pixel. The projection uncertainty is the distance between the two, to
-/// first order. It includes what the lens, the pose in the rig and the frame of the calibration leave open, but no
-/// error of future images. It is for errors that images share (Result::clustered) if there are enough images, otherwise
-/// for the stated errors. `Quality` has it over a grid.
+/// Projection uncertainty: a calibration from other images of the same boards would project a fixed point in front of
+/// the rig to another pixel. The projection uncertainty is the standard deviation of this pixel, to first order. It
+/// includes the uncertainty of the lens, of the pose in the rig and of the frame of the calibration, but no error of
+/// future images. If there are enough images, it is for errors that images share (Result::clustered), otherwise for
+/// the stated errors. `Quality` has it over a grid.
 ///   source   mrcal, https://mrcal.secretsauce.net/uncertainty.html
 class PixelUncertainty {
  public:

@@ -42,7 +42,7 @@ struct CornerResidual {
 };
 
 /// Uncertainty of the projection of a fixed point in front of the rig: standard deviation in the direction in which it
-/// is largest, for each node of the grid [px]. NaN if no ray is known to lead to the pixel.
+/// is largest, for each node of the grid [px]. NaN if the model has no ray for the pixel.
 struct ProjectionUncertainty {
   double distance_m = std::numeric_limits<double>::infinity();
   std::vector<double> std_px;
@@ -74,8 +74,7 @@ struct CameraQuality {
   /// Projection uncertainty for independent errors, as stated.
   std::vector<ProjectionUncertainty> projection_stated;
   std::vector<double> distances_m, middle_px, worst_px;  ///< dependence on the distance
-  /// Relative standard deviation of the image scale on the optical axis: that of the focal length, for any parameters
-  /// of the model.
+  /// Relative standard deviation of the focal length, defined for every model as the image scale on the optical axis.
   double focal_std = std::numeric_limits<double>::quiet_NaN();
   double centre_std_px = std::numeric_limits<double>::quiet_NaN();  ///< of the pixel on the optical axis [px]
   /// Largest angle between a board and the mean of all boards [rad].

@@ -24,7 +24,7 @@ struct Readout {
   double largestStd() const { return std_clustered > std ? std_clustered : std; }
 };
 
-/// What residuals of a fit without readout say about a rolling shutter.
+/// Estimate of a rolling shutter from the residuals of a fit without readout.
 struct ReadoutTrial {
   Readout readout;  ///< to first order
   /// p-value: that images without readout show as much by chance (ResidualPattern::probability).

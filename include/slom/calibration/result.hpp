@@ -42,8 +42,8 @@ struct ClusteredUncertainty {
   int block_length = 1;    ///< number of images in a block
   int blocks = 0;          ///< number of blocks
   bool levels_off = true;  ///< false: errors are shared over more images than the longest blocks have
-  /// Factor between the standard deviations and those of the longest blocks, if these do not level off. 1 if they level
-  /// off. Also 1 if there are too few images to tell; then they are too small.
+  /// Ratio of the standard deviations to the standard deviations of the longest blocks, if these do not level off. 1
+  /// if they level off. Also 1 if there are too few images to see this; standard deviations are then too small.
   double extrapolation = 1;
   /// Ratio of the clustered to the stated standard deviation, as root mean square over all directions of the
   /// parameters: by images, by blocks of images, and by blocks and points of the board.
@@ -86,7 +86,7 @@ struct CameraResult {
 
   /// Returns the pixel of a point in this camera's frame [m]; NaN if it has none.
   vec2 project(const vec3& point) const;
-  /// Returns the direction, of length 1, that is seen at a pixel; nothing if none is known, as beyond a fold of the
+  /// Returns the direction, of length 1, that a pixel sees; nothing if there is none, such as beyond a fold of the
   /// model.
   std::optional<vec3> ray(const vec2& pixel) const;
 };
@@ -167,7 +167,7 @@ struct Stray {
   int image = 0;
   double error_px = 0;  ///< root mean square distance of its corners before the fit of the rig
   std::string photo{};  ///< if known
-  /// True if the values are those without the view. `error_px` is then that of its best pose for the estimated lens.
+  /// True if the values were computed without the view. `error_px` is then for its best pose with the estimated lens.
   bool is_left_out = false;
   /// True if the view has the other handedness than most views of its camera. `error_px` may then be small.
   bool is_mirrored = false;
@@ -217,7 +217,7 @@ struct Result {
 
   /// Returns RSS / redundancy, near 1 if the stated sigmas are right; NaN without redundancy.
   double chi2PerDof() const { return redundancy > 0 ? rss / redundancy : unknown; }
-  /// Returns whether the fit has converged and the data determine everything.
+  /// Returns whether the fit has converged and the data determine all values.
   bool success() const { return converged && undetermined.empty(); }
   /// Removes all standard deviations; why: for `undetermined`.
   void declareUndetermined(std::string why);

@@ -1,4 +1,4 @@
-/// How far two fits of cameras and IMUs in motion agree, such as those by preintegration and by splines.
+/// Agreement of two fits of cameras and IMUs in motion, such as a fit by preintegration and a fit by splines.
 ///
 ///     StreamSettings other = settings;
 ///     other.path = StreamPath::splines;

@@ -1,4 +1,4 @@
-/// Whether the result of IMUs in motion can be trusted.
+/// Verdict on the result of IMUs in motion: whether it can be trusted.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace slom::calibration {
 ///                 the noise is 10 times that of a usual sensor, a sensor is saturated, a pose is known to 1 cm or
 ///                 0.5 degrees only or a clock to 1 ms only, images of cameras seem to have wrong times or rows that are
 ///                 read one after the other, the clock of an IMU drifts, estimated scales and axes of an IMU move its pose or clock
-///                 far, the halves of the recording disagree, or `agreement` has a contradiction
+///                 far, its accelerometer lags behind its gyroscope, the halves of the recording disagree, or `agreement` has a contradiction
 ///   trustworthy   otherwise
 /// `cameras`: their result, with its assessment if there is one (Result::quality).
 Verdict verdictOf(const StreamResult& streams, const Result& cameras,

@@ -1,4 +1,4 @@
-/// Consistency of a filter along a run: does its covariance say how large its errors are?
+/// Consistency of a filter along a run: whether its errors are as large as its covariance states.
 ///
 ///     slom::InnovationReport<3> gps;                      // one for each kind of measurement, of 3 numbers
 ///     gps.add(filter.update(position, z, noise));
@@ -8,9 +8,9 @@
 ///   NIS           has the mean 1 for each number
 ///   mean          is 0
 ///   correlation   of neighbours is 0
-/// and so has NEES, the same for errors against a known truth (NeesReport), the mean 1 for each number.
-/// The sign of the correlation says which noise is wrong: it is positive if the gain is too small, and negative if the gain
-/// is too large. The gain grows with the noise of the motion and falls with that of the measurement.
+/// and so has NEES, the same for errors against a known truth (NeesReport), the mean 1 for each number. The sign of
+/// the correlation shows which noise is wrong: it is positive if the gain is too small, and negative if the gain is
+/// too large. A larger noise of the motion increases the gain, a larger noise of the measurement reduces it.
 ///   source  Mehra, "On the identification of variances and adaptive Kalman filtering", 1970; Bar-Shalom, Li, Kirubarajan,
 ///           "Estimation with applications to tracking and navigation", 2001, section 5.4
 #pragma once

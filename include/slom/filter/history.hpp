@@ -6,16 +6,16 @@
 ///     history.filter();                                                                              // at the newest time
 ///
 /// The last steps are kept with the filter after each. A late measurement is inserted at its time: the prediction over
-/// that time is divided in two, and the steps behind it are repeated. So the result is that of all measurements in the
-/// order of their times, if two things hold:
+/// that time is divided in two, and the steps behind it are repeated. So the result is the same as with all
+/// measurements in the order of their times, under these conditions:
 ///   noise     grows with the duration, as slom::SpectralDensity, slom::filter::strapdownNoise and slom::grownCovariance do;
 ///             slom::Covariance(Q) would count Q for each part, and does not compile
 ///   motion    right for any part of the duration: x + v t + a t^2 / 2 with a constant a, not x + v t with a new v
-///   captures  by value: a function is called again later, when the variables around it are gone
-/// A measurement that its gate rejects is kept, too. It is tried again whenever steps are repeated, because a late measurement
-/// may make it acceptable, or another one unacceptable.
-/// All memory is in the object: Capacity times a filter and Bytes. Each prediction and each update takes a place, a late
-/// update two: for 100 predictions and 5 updates per second and delays up to 0.5 s, 60 are enough.
+///   captures  by value, because a function is called again later, when the variables around it are gone
+/// A measurement that its gate rejects is kept too. It is tried again when steps are repeated, because a late
+/// measurement may make it acceptable, or another one unacceptable. All memory is in the object: Capacity times a
+/// filter and Bytes. Each prediction and each update takes a place, a late update two: for 100 predictions and 5
+/// updates per second and delays up to 0.5 s, 60 are enough.
 ///   source  the exact solution of Bar-Shalom, "Update with out-of-sequence measurements in tracking", 2002, section I
 #pragma once
 

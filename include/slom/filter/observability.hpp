@@ -1,19 +1,22 @@
-/// Observability along a run: which directions of the state at its start did the data never see?
+/// Observability along a run: the directions of the state at its start that the data do not determine.
 ///
 ///     slom::Observability run(filter, "");           // a copy of a filter
 ///     run.predict(motion, noise, ...);               // as of the filter
 ///     run.update(h, data, noise);
 ///     std::puts(run.sentence().c_str());             // `the data do not see 1 direction of the state: ...`
 ///
-/// With Phi the product of the derivatives of the motions and H that of a measurement with covariance R, the data tell
+/// Let Phi be the product of the derivatives of the motions, and H the derivative of a measurement with covariance R.
+/// The information of the data is
 ///   I = sum Phi^T H^T R^-1 H Phi
-/// of the state at the start, if the motions had no noise. In units of the standard deviations at the start, a direction
-/// whose eigenvalue is below `threshold` is not seen: the data told less than this part of the prior.
+/// on the state at the start, if the motions have no noise. In units of the standard deviations at the start, a
+/// direction with an eigenvalue below `threshold` is not seen: the information of the data is less than this fraction
+/// of the prior.
 ///
-/// The derivatives are those at the means, also of an UnscentedFilter. Each update moves the mean, so that a direction which
-/// no measurement sees gets some information, 1e-4 of the best for ranges to one beacon. The sentence therefore names
-/// directions below 1e-3 of the best as hardly seen. To decide, pass data without noise, such as
-/// slom::measured(h(run.filter().state())): then the means stay, and what is not seen is below the threshold.
+/// Derivatives are taken at the means, also for an UnscentedFilter. Each update moves the mean, so a direction that no
+/// measurement sees gets some information: with ranges to one beacon, 1e-4 of the best direction. So the sentence
+/// names directions below 1e-3 of the best as hardly seen. To decide, pass data without noise, such as
+/// slom::measured(h(run.filter().state())): then the means stay, and directions that are not seen are below the
+/// threshold.
 ///   source  Maybeck, "Stochastic models, estimation, and control", 1979, section 1.7; Chen, "Local observability matrix
 ///           and its application to observability analyses", 1990
 #pragma once
@@ -61,7 +64,7 @@ class Observability {
     if (result) passed_ = detail::product(derivative, passed_);
     return result;
   }
-  /// Updates as the filter does, and records what the measurement tells.
+  /// Updates as the filter does, and records the information of the measurement.
   template <class... Args>
   auto update(const Args&... args) {
     return filter_.updateObserved(

@@ -56,8 +56,9 @@ struct SpectralDensity {
 template <class X>
 SpectralDensity(const X&) -> SpectralDensity<detail::PlainNoise<X>>;
 
-/// The covariance that a prediction of `duration` adds, as a function of the duration: slom::grownCovariance(dt, q) calls q(dt).
-/// It may stand wherever slom::Covariance may, and in the predictions of a slom::FilterHistory, which divides durations:
+/// The covariance that a prediction of `duration` adds, as a function of the duration: slom::grownCovariance(dt, q)
+/// calls q(dt). Use it in place of slom::Covariance, and in predictions of a slom::FilterHistory, which divides
+/// durations:
 ///     f.predict(motion, slom::grownCovariance(dt, [](double h) { return mtk::vect<2>(0, 0.5 * h); }), dt);
 template <class T = double>
 struct GrownCovariance : Noise<NoiseForm::covariance, T> {};

@@ -13,8 +13,8 @@
 
 namespace slom::initialize {
 
-/// What chordal relaxation needs of a pose type: the dimension of its world, 2 or 3, its rotation matrix and its
-/// position, and which entries of the tangent space are position and rotation. This template is for types with members
+/// Properties of a pose type for chordal relaxation: the dimension of its world, 2 or 3, its rotation matrix and its
+/// position, and the entries of the tangent space for position and rotation. This template is for types with members
 /// `orient` and `pos`, such as mtk::trafo. Specialise it for other types.
 template <class Pose>
 struct PoseParts {

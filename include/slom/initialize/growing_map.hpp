@@ -46,8 +46,9 @@ class GrowingMap {
       sightings_at_[index(graph.sightings[s].from)].push_back(s);
   }
 
-  /// Inserts pose p, the edges between it and the present poses, and what it sees. New landmarks are inserted where the
-  /// pose sees them. Returns whether there are more measurements than determine what is new: a loop may have closed.
+  /// Inserts pose p, the edges between it and the present poses, and its sightings. New landmarks are inserted at the
+  /// place where the pose sees them. Returns whether there are more measurements than the new variables need: a loop
+  /// may then have closed.
   bool add(int p, const Pose& start, bool is_fixed) {
     const std::size_t i = index(p);
     poses_[i] = insertNode(start, !is_fixed, graph_.poses[i], "pose ");

@@ -34,6 +34,16 @@ std::vector<VarID<T>> insertAll(Estimator& est, const std::vector<T>& values, co
 
 }  // namespace detail
 
+/// Inserts the observations of a scene as measurements, see insert().
+inline void insertObservations(Estimator& est, const Scene& scene, const SceneVariables& ids,
+                               const Loss& loss = {}) {
+  for (const Observation& observation : scene.observations) {
+    est.insertMeasurement(CameraProjection(), ids.cameras[static_cast<std::size_t>(observation.camera)],
+                          ids.points[static_cast<std::size_t>(observation.point)],
+                          measured(observation.pixel), loss, named("observation"));
+  }
+}
+
 /// Inserts all cameras and points, named by their numbers (`camera 3`, `point 17`), and all observations as
 /// measurements named `observation`.
 ///   residual  CameraProjection of the point by the camera - observed pixel, with a standard deviation of 1 px
@@ -42,11 +52,7 @@ std::vector<VarID<T>> insertAll(Estimator& est, const std::vector<T>& values, co
 inline SceneVariables insert(Estimator& est, const Scene& scene, const Loss& loss = {}) {
   SceneVariables ids{detail::insertAll(est, scene.cameras, "camera "),
                      detail::insertAll(est, scene.points, "point ")};
-  for (const Observation& observation : scene.observations) {
-    est.insertMeasurement(CameraProjection(), ids.cameras[static_cast<std::size_t>(observation.camera)],
-                          ids.points[static_cast<std::size_t>(observation.point)],
-                          measured(observation.pixel), loss, named("observation"));
-  }
+  insertObservations(est, scene, ids, loss);
   return ids;
 }
 

@@ -66,8 +66,8 @@ struct StructureChanges {
 
 /// The structure of a problem. A block has the index of its variable in the problem's table as long as the variable
 /// exists. Blocks of fixed and removed variables are empty. Components that are fixed or at an active bound keep their
-/// place among the unknowns. Their columns of J are 0. An extra group after those of the pools says which components do
-/// not move. It has one "measurement" for each variable with fixed components or bounds.
+/// place among the unknowns. Their columns of J are 0. An extra group after the groups of the pools lists the
+/// components that do not move. It has one "measurement" for each variable with fixed components or bounds.
 struct ProblemStructure {
   BlockStructure system;
   int pools = 0;      ///< number of groups that come from pools

@@ -1,4 +1,4 @@
-/// Readings of an IMU, and its motion between two times as they say.
+/// Readings of an IMU, and the motion between two times that follows from them.
 ///
 ///     slom::ImuSamples samples(readings);   // refers to the readings
 ///     const auto moved = samples.motion(from, to, slom::withoutBias(gyro_bias, force_bias));
@@ -47,15 +47,15 @@ auto withoutBias(const mtk::vect<3, S>& gyro_bias, const mtk::vect<3, S>& force_
   };
 }
 
-/// How an IMU moves in some time, as its sensors see it: without gravity, and from a start at rest.
+/// Motion of an IMU over some time, from its readings alone: without gravity, and from a start at rest.
 template <class S = double>
 struct ImuMotion {
   mtk::SO3<S> rotation;                        ///< start_R_end
   mtk::vect<3, S> velocity{S(0), S(0), S(0)};  ///< in the frame of the start [m/s]
   mtk::vect<3, S> position{S(0), S(0), S(0)};  ///< likewise [m]
 
-  /// Adds `duration` with constant readings. The specific force turns with the IMU; its mean direction is that of the
-  /// middle, to third order in the duration.
+  /// Adds `duration` with constant readings. The specific force turns with the IMU; its mean direction is the
+  /// direction at half the duration, to third order in the duration.
   void add(const mtk::vect<3, S>& rate, const mtk::vect<3, S>& force, const S& duration) {
     const mtk::vect<3, S> half(rate * (duration / S(2)));
     const mtk::SO3<S> half_turn = mtk::SO3<S>::exp(half);

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "slom/base/collective.hpp"
 #include "slom/linearize/linearize.hpp"
 #include "slom/optimize/summary.hpp"
 #include "slom/solve/linear_solver.hpp"
@@ -25,6 +26,28 @@ class Evaluator {
 
   /// Sets the solver, which is not owned.
   void setSolver(LinearSolver& solver);
+
+  /// Returns the processes that evaluate parts of the problem together (LinearSolver::collective).
+  const Collective& collective() const { return *collective_; }
+  /// Returns the number of unknowns of all processes.
+  int unknowns();
+  /// Returns the number of scalar residuals of all processes.
+  int residuals();
+  /// Returns the number of components of all processes that are fixed or at an active bound.
+  int fixedOrActiveCount();
+  /// Returns whether any derivatives of any process are differences.
+  bool hasNumericDerivatives() const { return collective_->any(problem_.hasNumericDerivatives()); }
+
+  /// Returns whether measurements of any process are linearised at first estimates.
+  bool hasFirstEstimates() const { return collective_->any(!problem_.firstEstimates().isEmpty()); }
+  /// Returns a^T b for vectors with an entry for each unknown.
+  double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const { return collective_->dot(a, b); }
+  /// Returns |a|^2 of such a vector.
+  double squaredNorm(const Eigen::VectorXd& a) const {
+    return collective_->isAlone() ? a.squaredNorm() : dot(a, a);
+  }
+  /// Returns |a| of such a vector.
+  double norm(const Eigen::VectorXd& a) const { return std::sqrt(squaredNorm(a)); }
 
   /// Returns the present structure of the problem.
   const ProblemStructure& structure();
@@ -59,7 +82,7 @@ class Evaluator {
   void undo();
 
   /// Returns the RSS at the current values, without derivatives; NaN if a residual is not finite.
-  double rss() { return linearizer_.rss(problem_); }
+  double rss();
 
   /// Scales the parameter c of every loss by sqrt(mu), for graduated non-convexity. mu = 1 restores the given losses.
   void setLossGraduation(double mu);
@@ -67,7 +90,7 @@ class Evaluator {
   double lossGraduation() const { return linearizer_.lossGraduation(); }
   /// Returns max |W r|^2 / c^2 over the measurements with a loss of scale c, at the current values; -1 if there are
   /// none.
-  double largestLossArgument() { return linearizer_.largestLossArgument(problem_); }
+  double largestLossArgument();
 
   /// Returns max_i |g_i| / (|J_i| |r|) of the linearisation, with r and J reweighted by losses; 0 for a perfect fit.
   double orthogonality() const;
@@ -117,7 +140,8 @@ class Evaluator {
 
   /// Sets the function that mustStop() calls; none: never stop.
   void setInterruption(std::function<bool()> must_stop) { must_stop_ = std::move(must_stop); }
-  /// Returns whether the fit must end. An algorithm that tries several steps asks before each.
+  /// Returns whether the fit must end. An algorithm that tries several steps asks before each. With several
+  /// processes, the function itself makes them agree.
   bool mustStop() const { return must_stop_ && must_stop_(); }
 
   /// Computes the Gauss-Newton step. Also fails at a hidden unknown, whose column of J is only rounding error, so that
@@ -162,12 +186,14 @@ class Evaluator {
   bool hasRunAway(int unknown);
   void lookDeeper(const std::vector<int>& out_of_sight, Promise& promise);
   void clearConstrained(Eigen::VectorXd& d) const;
+  bool isNegligibleHere(const Eigen::VectorXd& d, double tolerance);
   void analyze();
   void requireRange();
   SolveStatus lookAgain(SolveStatus status, bool& has_changed);
 
   Problem& problem_;
   Linearizer& linearizer_;
+  const Collective* collective_ = &singleProcess();
   LinearSolver* given_ = nullptr;
   std::unique_ptr<LinearSolver> careful_;
   std::uint64_t careful_failed_at_ = ~std::uint64_t{0};  // revision of the structure

@@ -243,7 +243,7 @@ struct Summary {
   /// Returns a short report: what was fitted and how well.
   std::string report() const;
   /// Returns the summary for programs: a JSON object (RFC 8259) in one line, in UTF-8. Numbers have all their digits.
-  /// Numbers that are not finite or not known are null. Keys: docs/optimize.md.
+  /// Numbers that are not finite or not known are null. Keys: docs/summary.md.
   std::string json() const;
 };
 

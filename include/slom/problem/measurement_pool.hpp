@@ -64,7 +64,7 @@ struct MeasurementType {
                                 const MeasurementType& type, const std::vector<VariableRecord>& table,
                                 const ActiveSet& active);
   bool states_noise = false;  ///< residuals are in units of their standard deviations
-  /// What tells pools with the same id apart; null: nothing. It must live as long as the pool.
+  /// Object that distinguishes pools with the same id; null: none. It must live as long as the pool.
   const void* code = nullptr;
 };
 

@@ -119,7 +119,7 @@ class Problem {
 
   // Measurements.
 
-  /// Adds a measurement. `label`: name of the group; empty: that of the type.
+  /// Adds a measurement. `label`: name of the group; empty: the name of the type.
   template <Measurement M>
   MeasID<M> insertMeasurement(M measurement, const NoiseView& noise, std::string_view label = {},
                               const Loss& loss = {}) {

@@ -22,6 +22,8 @@ class ForwardingSolver : public LinearSolver {
   void addUnweighted(const JacobianBatch& batch) override;
   std::span<const MeasurementPlace> partitions() const override;
   void endLinearization() override;
+  void completeLinearization() override;
+  const Collective& collective() const override;
   SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) override;
   bool isExact() const override;
   const Eigen::VectorXd& gradient() const override;

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "slom/base/collective.hpp"
 #include "slom/linearize/jacobian_sink.hpp"
 #include "slom/linearize/structure.hpp"
 
@@ -52,6 +53,11 @@ class LinearSolver : public JacobianSink {
     static_cast<void>(changes);
     analyze(structure);
   }
+  /// Adds what other processes have linearised. Called after endLinearization(), in all processes. From then on,
+  /// gradient() and diagonal() are those of the whole problem.
+  virtual void completeLinearization() {}
+  /// Returns the processes that solve together. By default there is only this one.
+  virtual const Collective& collective() const { return singleProcess(); }
   /// Writes `step` on success and leaves it unchanged otherwise. `damping` is empty (none) or has an entry >= 0 for
   /// each unknown.
   virtual SolveStatus solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) = 0;

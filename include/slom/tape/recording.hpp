@@ -60,8 +60,8 @@ struct Term {
 };
 /// Returns a new unknown. It stands for a perturbation and may itself depend on others: setDerivative.
 Number newTangent();
-/// States the derivative of a number or unknown, in place of that of the operations it was made with. Terms with a
-/// constant unknown do not count. If the derivative is stated already, or x is a constant, does nothing.
+/// States the derivative of a number or unknown, in place of the derivative of the operations that made it. Terms with
+/// a constant unknown are ignored. Does nothing if the derivative is already stated or x is a constant.
 void setDerivative(const Number& x, const std::vector<Term>& terms);
 
 }  // namespace detail

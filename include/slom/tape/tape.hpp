@@ -18,7 +18,7 @@
 
 namespace slom::tape {
 
-/// A part of a variable that is moved by itself.
+/// A part of a variable with a [+] of its own.
 struct Part {
   enum class Kind : std::uint8_t {
     vector,     ///< R^n, moved by adding

@@ -80,7 +80,7 @@ struct AccelerationState {
   static std::array<std::string_view, 3> mtkMemberNames() { return {"", "velocity", "acceleration"}; }
 };
 
-/// The state of a body: that of its position, along the axes of the world, and that of its orientation.
+/// State of a body: the state of its position, along the axes of the world, and the state of its orientation.
 template <class Position, class Orientation>
 struct PoseState {
   using scalar = mtk::scalar_t<Position>;

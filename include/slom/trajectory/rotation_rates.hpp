@@ -1,4 +1,4 @@
-/// The motion of a rotation R(t) = R_0 exp(x(t)), from and to that of its rotation vector x(t).
+/// Conversion between the motion of a rotation R(t) = R_0 exp(x(t)) and the motion of its rotation vector x(t).
 ///   w   angular velocity in the frame of the body: w = J(x) x'
 ///   a   its derivative by time: a = J(x) x'' + J'(x) x'
 ///   J   right Jacobian of SO(3): I - b [x]x + c [x]x^2 with b, c of screw.hpp; J^-1 = I + [x]x / 2 + e [x]x^2

@@ -109,7 +109,8 @@ class RotationRecursion {
     return result;
   }
 
-  /// Returns the derivative by control point k, as a perturbation on its right, of what has these derivatives by steps.
+  /// Returns the derivative with respect to control point k, perturbed on the right, from the derivatives with respect
+  /// to the steps.
   Matrix3<V> byControl(const StepMatrices<N, V>& by_step, std::size_t k) const {
     Matrix3<V> result = Matrix3<V>::Zero();
     if (k > 0) result += by_step[k - 1] * inverseJacobian(k - 1);

@@ -14,7 +14,7 @@
 
 namespace slom::trajectory {
 
-/// Says which derivative of the motion is white noise. The number is that of the parts of a state.
+/// Derivative of the motion that is white noise. Its value is the number of parts of a state.
 enum class WhiteNoise {
   on_acceleration = 2,  ///< states of value and velocity
   on_jerk = 3,          ///< states of value, velocity and acceleration

@@ -50,38 +50,48 @@ class WorkingCovariance {
     const ClusterFactor& factor = scores_.factors()[at(g)];
     if (!factor.has_leverage) return;
     for (std::size_t b = 0; b < factor.blocks.size(); ++b) {
-      const int size = factor.start[b + 1] - factor.start[b];
-      column.segment(linearized_.structure().system.offset[at(factor.blocks[b])], size) +=
-          weight * y_[at(g)].segment(factor.start[b], size);
+      column.segment(linearized_.structure().system.offset[at(factor.blocks[b])], factor.sizeOf(b)) +=
+          weight * y_[at(g)].segment(factor.start[b], factor.sizeOf(b));
     }
   }
 
-  /// Returns tr B^2 = sum D^2 - 2 sum D_g y_g^T C y_g + tr (C W)^2, W = sum y_g y_g^T.
-  double byShared(const MatrixXd& C) const {
+  /// Returns y_g of all groups, on the shared unknowns.
+  MatrixXd onShared() const {
     std::vector<int> place(at(linearized_.structure().system.unknowns()), -1);
     for (std::size_t i = 0; i < scores_.shared().size(); ++i)
       place[at(scores_.shared()[i])] = static_cast<int>(i);
-    MatrixXd Y = MatrixXd::Zero(C.rows(), scores_.count());
+    MatrixXd Y = MatrixXd::Zero(static_cast<Index>(scores_.shared().size()), scores_.count());
     for (int g = 0; g < scores_.count(); ++g) {
       const ClusterFactor& factor = scores_.factors()[at(g)];
       if (!factor.has_leverage) continue;
       for (std::size_t b = 0; b < factor.blocks.size(); ++b) {
-        const int size = factor.start[b + 1] - factor.start[b];
-        Y.col(g).segment(place[at(linearized_.structure().system.offset[at(factor.blocks[b])])], size) =
-            y_[at(g)].segment(factor.start[b], size);
+        const int first = place[at(linearized_.structure().system.offset[at(factor.blocks[b])])];
+        Y.col(g).segment(first, factor.sizeOf(b)) = y_[at(g)].segment(factor.start[b], factor.sizeOf(b));
       }
     }
+    return Y;
+  }
+
+  /// Returns tr B^2, from B itself, or as sum D^2 - 2 sum D_g y_g^T C y_g + tr (C W)^2 with W = sum y_g y_g^T.
+  double byShared(const MatrixXd& C) const {
+    const MatrixXd Y = onShared();
+    if (Y.cols() <= Y.rows()) return squaredNormOf(Y.transpose() * (C * Y));
     const MatrixXd product = C * (Y * Y.transpose());
     return squares_.squaredNorm() - 2 * squares_.dot(followed_) +
            product.cwiseProduct(product.transpose()).sum();
   }
 
+  /// Returns tr B^2 from Y^T H^-1 Y.
+  double squaredNormOf(const MatrixXd& followed) const {
+    MatrixXd B = -followed;
+    B.diagonal() += squares_;
+    return B.squaredNorm();
+  }
+
   double byGroups() const {
     MatrixXd Y = MatrixXd::Zero(linearized_.structure().system.unknowns(), scores_.count());
     for (int g = 0; g < scores_.count(); ++g) addTo(Y.col(g), g, 1);
-    MatrixXd B = -(Y.transpose() * linearized_.covarianceTimes(gauge_, Y));
-    B.diagonal() += squares_;
-    return B.squaredNorm();
+    return squaredNormOf(Y.transpose() * linearized_.covarianceTimes(gauge_, Y));
   }
 
   double byProbes() const {

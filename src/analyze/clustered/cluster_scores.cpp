@@ -6,8 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include <Eigen/Cholesky>
-
+#include "analyze/clustered/elimination.hpp"
 #include "base/decompositions.hpp"
 #include "base/index.hpp"
 #include "base/threads.hpp"
@@ -20,37 +19,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kUnseen = -1, kSharedBlock = -2;  // values in owner_ besides the numbers of groups
-constexpr int kMostSharedUnknowns = 1500;       // of one group; dense matrices of that size are decomposed
-constexpr int kMostPrivateUnknowns = 2000;      // of one group, in one component of its private blocks
-constexpr int kFewSharedUnknowns = 64;  // of all groups; so few columns cost less than selected inversion
-constexpr int kMostSharedForDof = 300;
-constexpr double kLeastVariance = 1e-12;  // eigenvalues of a correlation matrix that count as 0
-constexpr double kLeastLeverage = 1e-10;  // eigenvalues of H_gg that count as 0
+constexpr int kUnseen = -1;                 // value in owner_, as kSharedBlock is
+constexpr int kMostPrivateUnknowns = 2000;  // of one group, in one component of its private blocks
+constexpr int kFewSharedUnknowns = 64;      // of all groups; so few columns cost less than selected inversion
+constexpr double kLeastVariance = 1e-12;    // eigenvalues of a correlation matrix that count as 0
+constexpr double kLeastLeverage = 1e-10;    // eigenvalues of H_gg that count as 0
 /// 1 - lambda below which a group alone determines a direction. Leverages have at least 6 digits, as LinearizedProblem
 /// ensures.
 constexpr double kAlone = 1e-6;
-constexpr double kLeastPivot = 1e-11;  // of the private unknowns of a group, relative
-
-/// Returns X = A^+ B for a positive semidefinite A.
-MatrixXd solveSemidefinite(const MatrixXd& A, const MatrixXd& B) {
-  const VectorXd scale =
-      A.diagonal().unaryExpr([](double a) { return a > 0 ? 1 / std::sqrt(a) : 0.0; }).eval();
-  MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
-  for (Index i = 0; i < scale.size(); ++i) {
-    if (scale[i] == 0) scaled(i, i) = 1;
-  }
-  const MatrixXd right = scale.asDiagonal() * B;
-  const Eigen::LLT<MatrixXd> cholesky(scaled);
-  if (cholesky.info() == Eigen::Success &&
-      cholesky.matrixLLT().diagonal().cwiseAbs2().minCoeff() > kLeastPivot)
-    return scale.asDiagonal() * cholesky.solve(right);
-  const SymmetricEigen eigen = eigenOf(scaled);
-  const VectorXd inverse =
-      eigen.eigenvalues().unaryExpr([](double e) { return e > kLeastPivot ? 1 / e : 0.0; }).eval();
-  return scale.asDiagonal() *
-         (eigen.eigenvectors() * (inverse.asDiagonal() * (eigen.eigenvectors().transpose() * right)));
-}
 
 int placeOf(const std::vector<int>& sorted, int block) {
   return static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), block) - sorted.begin());
@@ -91,7 +67,7 @@ struct PrivateBlocks {
 }  // namespace
 
 ClusterScores::ClusterScores(const LinearizedProblem& linearized, FreeGauge gauge, Clustering clustering,
-                             int most_columns)
+                             int most_columns, const ClusterScores* finer)
     : linearized_(linearized), gauge_(gauge), clustering_(std::move(clustering)) {
   collectMeasurements();
   findOwners();
@@ -100,8 +76,9 @@ ClusterScores::ClusterScores(const LinearizedProblem& linearized, FreeGauge gaug
   has_rows_.assign(at(count()), 0);
   const JacobianRows& rows = linearized.rows();
   static_cast<void>(rows);  // linearises before the threads begin
-  detail::forEachIndex(count(), [&](int g) { reduce(g); });
-  addInverses(most_columns);
+  const auto parts = finer != nullptr ? partsFrom(*finer) : std::vector<std::vector<int>>{};
+  detail::forEachIndex(count(), [&](int g) { parts.empty() ? reduce(g) : join(g, *finer, parts[at(g)]); });
+  if (!invertShared(most_columns)) addInverses(most_columns);
   const double groups = count(), residuals = linearized.structure().residuals;
   const double unknowns =
       linearized.freeUnknowns() - (gauge == FreeGauge::inner_constraints ? linearized.freeDirections() : 0);
@@ -215,11 +192,7 @@ void ClusterScores::reduce(int g) {
       });
     });
   }
-  for (std::size_t c = 0; c < Gpp.size(); ++c) {
-    const MatrixXd X = solveSemidefinite(Gpp[c], Gps[c]);
-    N.noalias() -= Gps[c].leftCols(shared).transpose() * X.leftCols(shared);
-    gradient.noalias() -= Gps[c].leftCols(shared).transpose() * X.col(shared);
-  }
+  for (std::size_t c = 0; c < Gpp.size(); ++c) eliminate(Gpp[c], Gps[c], N, gradient);
   all_meet_[at(g)] = std::all_of(meet.begin(), meet.end(), [](char c) { return c != 0; }) ? 1 : 0;
   factor.F = (N + N.transpose()) / 2;
   factor.residual = std::move(gradient);
@@ -393,30 +366,6 @@ void ClusterScores::finish(int g, const MatrixXd& C) {
   factor.leverage = eigen.eigenvalues().tail(rank).cwiseMin(1);
 }
 
-const MatrixXd* ClusterScores::inverseOfShared() const {
-  if (inverse_is_known_) return shared_.empty() ? nullptr : &inverse_of_shared_;
-  inverse_is_known_ = true;
-  const BlockStructure& structure = linearized_.structure().system;
-  std::set<int> blocks;
-  int unknowns = 0;
-  for (const ClusterFactor& factor : factors_) {
-    for (const int block : factor.blocks) {
-      if (!factor.has_leverage || !blocks.insert(block).second) continue;
-      unknowns += structure.dof(block);
-      if (unknowns > std::min(kMostSharedForDof, count())) return nullptr;
-    }
-  }
-  for (const int block : blocks) {
-    for (int i = 0; i < structure.dof(block); ++i) shared_.push_back(structure.offset[at(block)] + i);
-  }
-  MatrixXd unit = MatrixXd::Zero(structure.unknowns(), unknowns);
-  for (int i = 0; i < unknowns; ++i) unit(shared_[at(i)], i) = 1;
-  const MatrixXd columns = linearized_.covarianceTimes(gauge_, unit);
-  inverse_of_shared_.resize(unknowns, unknowns);
-  for (int i = 0; i < unknowns; ++i) inverse_of_shared_.row(i) = columns.row(shared_[at(i)]);
-  return unknowns > 0 ? &inverse_of_shared_ : nullptr;
-}
-
 double ClusterScores::aloneIn(const VectorXd& z, int g) const {
   const ClusterFactor& factor = factors_[at(g)];
   const VectorXd image = factor.F.transpose() * rowsOf(z, g);
@@ -429,9 +378,8 @@ MatrixXd ClusterScores::rowsOf(const MatrixXd& Z, int g) const {
   const ClusterFactor& factor = factors_[at(g)];
   MatrixXd result(factor.unknowns(), Z.cols());
   for (std::size_t b = 0; b < factor.blocks.size(); ++b) {
-    const int size = factor.start[b + 1] - factor.start[b];
-    result.middleRows(factor.start[b], size) =
-        Z.middleRows(linearized_.structure().system.offset[at(factor.blocks[b])], size);
+    result.middleRows(factor.start[b], factor.sizeOf(b)) =
+        Z.middleRows(linearized_.structure().system.offset[at(factor.blocks[b])], factor.sizeOf(b));
   }
   return result;
 }

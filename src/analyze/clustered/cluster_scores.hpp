@@ -30,13 +30,16 @@ struct ClusterFactor {
   bool has_leverage = true;
 
   int unknowns() const { return start.back(); }
+  /// Returns the number of unknowns of a block.
+  int sizeOf(std::size_t block) const { return start[block + 1] - start[block]; }
 };
 
 class ClusterScores {
  public:
-  /// Computes leverages with at most `most_columns` columns of H^-1. Groups that need more have no leverage.
-  ClusterScores(const LinearizedProblem& linearized, FreeGauge gauge, Clustering clustering,
-                int most_columns);
+  /// Computes leverages with at most `most_columns` columns of H^-1. Groups that need more have no leverage. If each
+  /// group of `finer` is a part of one group here, its factor is used instead of its measurements.
+  ClusterScores(const LinearizedProblem& linearized, FreeGauge gauge, Clustering clustering, int most_columns,
+                const ClusterScores* finer = nullptr);
 
   const Clustering& clustering() const { return clustering_; }
   const std::vector<ClusterFactor>& factors() const { return factors_; }
@@ -65,17 +68,24 @@ class ClusterScores {
   double aloneIn(const Eigen::VectorXd& z, int g) const;
   /// Returns whether no measurement outside of group g depends on the block.
   bool isPrivate(int block, int g) const { return owner_[static_cast<std::size_t>(block)] == g; }
-  /// Returns H^-1 of all shared unknowns, in the order of shared(), computed at the first call. Null if there are more
-  /// shared unknowns than groups, or more than 300.
+  /// Returns H^-1 of all shared unknowns, in the order of shared(). Null if they are too many, or if they are more than
+  /// the groups and H^-1 is only known by columns.
   const Eigen::MatrixXd* inverseOfShared() const;
   const std::vector<int>& shared() const { return shared_; }
   /// Returns the factor of all variances, in addition to the corrections of single groups.
   double factorOf(ClusterCorrection correction) const;
 
  private:
+  static constexpr int kSharedBlock = -2;  // value in owner_
+  static constexpr int kMostSharedUnknowns =
+      1500;  // of one group; dense matrices of that size are decomposed
+
   void collectMeasurements();
   void findOwners();
   void reduce(int g);
+  std::vector<std::vector<int>> partsFrom(const ClusterScores& finer) const;
+  void join(int g, const ClusterScores& finer, const std::vector<int>& parts);
+  bool invertShared(int most_columns);
   void addInverses(int most_columns);
   void addColumns(const std::vector<int>& groups, std::vector<Eigen::MatrixXd>& inverses, int most_columns);
   bool keepRows(int g);

@@ -50,7 +50,6 @@ const Clustered::State::Choice& Clustered::State::choice(int variable) {
 void Clustered::State::chooseBlocks(int variable, Choice& result) {
   VectorXd before = covarianceAt(0, {variable}).C.diagonal(), largest = before;
   result.deviation = before.cwiseSqrt();
-  result.dof = degreesOfFreedom(variable, 0);
   std::vector<std::vector<double>> by_length(
       static_cast<std::size_t>(before.size()));  // variances, by component
   const auto keep = [&](const VectorXd& variances) {

@@ -109,7 +109,9 @@ const Clustered::State::Level& Clustered::State::level(int l) {
       all = members++ == 0 ? std::move(way) : intersectionOf(all, way);
     }
     if (all.count() == 0) continue;  // no measurement is in groups of all these ways
-    made->terms.push_back({ClusterScores(problem(), gauge, std::move(all), options.most_columns),
+    const Level* const finer = ways.size() == 1 && l > 0 ? levels[at(l - 1)].get() : nullptr;
+    made->terms.push_back({ClusterScores(problem(), gauge, std::move(all), options.most_columns,
+                                         finer != nullptr ? &finer->terms[0].scores : nullptr),
                            members % 2 == 1 ? 1.0 : -1.0, members == 1});
   }
   result = std::move(made);

@@ -11,7 +11,7 @@ using Eigen::Index;
 
 constexpr double kMostCorrelation = 0.95;
 /// Constants of the degrees of freedom n / (kLoss + kLossByCorrelation (tau - 1)), tau = (1 + rho) / (1 - rho). They
-/// were chosen in simulations so that intervals hold (docs/decisions/clustered_uncertainty.md). For many numbers the
+/// were chosen in simulations so that intervals hold (docs/decisions/clustered_order.md). For many numbers the
 /// variance of rho alone would give 3 and 2.
 constexpr double kLoss = 1.5, kLossByCorrelation = 4;
 

@@ -218,11 +218,15 @@ bool isNoStart(const DataError& error) {
 /// Fits all data. Takes a second look if the fit fails, or if corners are farther off than detection explains.
 Result fitWithSecondLook(const Dataset& data, const Settings& settings, const Progress& progress) {
   const auto quietly = [&](const Dataset& some) { return fitOfAll(some, settings, {}); };
+  const auto withSecondLook = [&](const Dataset& some) { return fitWithSecondLook(some, settings, {}); };
   std::optional<Result> first;
   try {
     first = fitOfAll(data, settings, progress);
   } catch (const DataError& error) {
-    if (!isNoStart(error) || settings.robust == Robust::none) throw;
+    if (!isNoStart(error)) throw;
+    if (auto without = withoutUnfitViewsOfRig(data, settings, nullptr, quietly, withSecondLook))
+      return std::move(*without);
+    if (settings.robust == Robust::none) throw;
     if (auto without = withoutStrayViews(data, settings, nullptr, quietly)) return std::move(*without);
     throw;
   }
@@ -231,6 +235,8 @@ Result fitWithSecondLook(const Dataset& data, const Settings& settings, const Pr
     if (auto without = withoutScaledViews(data, settings, *first, quietly)) return std::move(*without);
     return std::move(*first);
   }
+  if (auto without = withoutUnfitViewsOfRig(data, settings, &*first, quietly, withSecondLook))
+    return std::move(*without);
   if (settings.robust != Robust::none) {
     if (auto without = withoutStrayViews(data, settings, &*first, quietly)) return std::move(*without);
     if (auto without = withoutViewsToScale(data, settings, *first, quietly)) return std::move(*without);

@@ -17,6 +17,7 @@
 #include "calibration/streams/board_scale.hpp"
 #include "calibration/streams/check.hpp"
 #include "calibration/streams/doubt.hpp"
+#include "calibration/streams/force_lag.hpp"
 #include "calibration/streams/forces.hpp"
 #include "calibration/streams/halves.hpp"
 #include "calibration/streams/held_axes.hpp"
@@ -230,9 +231,11 @@ StreamResult calibrateStreams(const Dataset& data, const Settings& given, const 
     stage = start();
   CamerasAt fitted;
   StreamResult result = fit(*on_board, images, stream, stage, fitted);
-  if (stream.axes == ImuAxes::calibrated)
-    doubtHeldAxes(*on_board, stage.settings, fitted, images, stage.imus, stream.gravity,
-                  optionsOfStreams(stage.settings), result);
+  const Options options = optionsOfStreams(stage.settings);
+  if (!doubtForceLag(*on_board, stage.settings, fitted, images, stage.imus, stream.gravity, options,
+                     result) &&
+      stream.axes == ImuAxes::calibrated)
+    doubtHeldAxes(*on_board, stage.settings, fitted, images, stage.imus, stream.gravity, options, result);
   completeResult(cameras, fitted, imus, epoch_ns, true, result);
   noteOtherTimes(*on_board, result);
   usable.report(result);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "calibration/fit/lens_constraints.hpp"
+
 namespace slom::calibration {
 namespace {
 
@@ -33,14 +35,44 @@ Comparison chooseModel(const Dataset& data, Settings& settings, const std::vecto
   return comparison;
 }
 
-/// Returns the models to compare again on a board that is not flat, because the residuals of such a board can look
-/// like a lens. Keeps a model with a prior only if it was chosen: with an unknown board its fit takes long, and its
-/// additional parameters are hardly determined.
-std::vector<Model> modelsForBoard(const Settings& settings, std::vector<Model> models) {
-  std::erase_if(models, [&](const Model& model) {
-    return !model.heldNearZero().empty() && !(model == settings.model);
-  });
+// The denominator of a model that has a prior and a board of unknown shape can have the same effect. Fits of both together
+// take long, and may not converge.
+
+/// Returns the models to compare again on a board that is not flat, because the residuals of such a board can look like a
+/// lens. Keeps a model with a denominator only if it is the chosen one.
+std::vector<Model> modelsForBoard(const Model& chosen, std::vector<Model> models) {
+  std::erase_if(models, [&](const Model& model) { return hasPrior(model) && !(model == chosen); });
   return models;
+}
+
+/// Returns the model with the best prediction that may be combined with a board of unknown shape; nothing if none fits.
+std::optional<Model> bestForBoard(const Comparison& comparison) {
+  const ModelTrial* best = nullptr;
+  for (const ModelTrial& trial : comparison.trials) {
+    if (!trial.failure.empty() || hasPrior(trial.model)) continue;
+    if (best == nullptr || trial.heldOutRms() < best->heldOutRms()) best = &trial;
+  }
+  return best != nullptr ? std::optional(best->model) : std::nullopt;
+}
+
+/// Compares the shapes of the board. If a model with a denominator was chosen, compares them with the best other model,
+/// unless the flat board with the chosen model predicts better than any shape with the other. `settings` get the chosen
+/// shape and, if it is not flat, the model that it was compared with.
+Comparison chooseBoardShape(const Dataset& data, const std::optional<Comparison>& models, bool is_open,
+                            Settings& settings) {
+  Settings tried = settings;
+  if (is_open && models && models->chosen && hasPrior(settings.model))
+    tried.model = bestForBoard(*models).value_or(settings.model);
+  Comparison shapes = compareBoardShapes(data, tried);
+  const bool is_other = !(tried.model == settings.model);
+  if (is_other &&
+      (!shapes.chosen || shapes.chosenTrial().heldOutRms() > models->chosenTrial().heldOutRms())) {
+    tried.model = settings.model;
+    shapes = compareBoardShapes(data, tried);
+  }
+  if (shapes.chosen) settings.board_shape = shapes.chosenTrial().board_shape;
+  if (settings.board_shape != BoardShape::flat) settings.model = tried.model;
+  return shapes;
 }
 
 }  // namespace
@@ -52,10 +84,9 @@ Result calibrateByChoice(const Dataset& data, Settings& settings, const Choices&
   if (!choices.models.empty())
     comparison = chooseModel(compared, settings, choices.models, choices.model, progress);
   if (choices.board_shape) {
-    board_comparison = compareBoardShapes(compared, settings);
-    if (board_comparison->chosen) settings.board_shape = board_comparison->chosenTrial().board_shape;
+    board_comparison = chooseBoardShape(compared, comparison, choices.model, settings);
     if (progress.board_shapes) progress.board_shapes(*board_comparison);
-    const std::vector<Model> models = modelsForBoard(settings, choices.models);
+    const std::vector<Model> models = modelsForBoard(settings.model, choices.models);
     if (settings.board_shape != BoardShape::flat && choices.models.size() > 1 && models.size() > 1)
       comparison = chooseModel(compared, settings, models, choices.model, progress);
   }

@@ -17,6 +17,7 @@
 #include "calibration/procedure/fit_once.hpp"
 #include "calibration/streams/bias_jumps.hpp"
 #include "calibration/streams/check.hpp"
+#include "calibration/streams/force_lag.hpp"
 #include "calibration/streams/forces.hpp"
 #include "calibration/streams/held_axes.hpp"
 #include "calibration/streams/joint_fit.hpp"
@@ -291,9 +292,14 @@ MovingCameras calibrateMovingCameras(const Dataset& data, const Settings& given,
         fitted = problem.values().cameras;
         moving.simultaneous = withGivenNumbers(problem.simultaneous(apart.data), apart);
       });
-  if (!given.rolling_shutter && stream.axes == ImuAxes::calibrated)
-    doubtHeldAxes(all.front().data, settings, valuesOf(all.front().result), images, started, stream.gravity,
-                  optionsOfStreams(settings), moving.result);
+  if (!given.rolling_shutter) {
+    const Dataset& alone = all.front().data;
+    const CamerasAt camera = valuesOf(all.front().result);
+    const Options options = optionsOfStreams(settings);
+    if (!doubtForceLag(alone, settings, camera, images, started, stream.gravity, options, moving.result) &&
+        stream.axes == ImuAxes::calibrated)
+      doubtHeldAxes(alone, settings, camera, images, started, stream.gravity, options, moving.result);
+  }
   completeResult(cameras, fitted, imus, epoch_ns, !given.rolling_shutter, moving.result);
   usable.report(moving.result);
   for (std::size_t c = 0; c < all.size(); ++c) {

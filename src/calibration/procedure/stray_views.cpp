@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -250,6 +251,56 @@ std::optional<Result> withoutViewsToScale(const Dataset& data, const Settings& s
       std::all_of(strays.begin(), strays.end(), [](const Stray& one) { return one.size != 1; });
   if (!are_all_scaled) return {};
   without->strays = sortedByImage(std::move(strays));
+  return without;
+}
+
+namespace {
+
+/// Returns the views of another size that a second look at each camera alone finds.
+std::vector<Stray> scaledViewsOfEachCamera(const Dataset& data, const Fit& fit_with_second_look) {
+  std::vector<Stray> scaled;
+  for (const CameraData& camera : data.cameras) {
+    Dataset alone;
+    alone.cameras.push_back(camera);
+    const std::optional<Result> found = fitted(fit_with_second_look, alone);
+    if (!found) continue;
+    std::copy_if(found->strays.begin(), found->strays.end(), std::back_inserter(scaled),
+                 [](const Stray& stray) { return stray.size != 1; });
+  }
+  return scaled;
+}
+
+/// Returns the views that no pose fits, among the images of which a bad fit of a rig has a stray.
+std::vector<Stray> unfitOfWorstImages(const Dataset& data, const Settings& settings, const Result& bad,
+                                      const Fit& fit) {
+  std::set<int> images;
+  for (const Stray& stray : bad.strays) images.insert(stray.image);
+  const Dataset others = data.withImages([&](int image) { return images.count(image) == 0; });
+  if (images.empty() || !suffices(others, data)) return {};
+  const std::optional<Result> good = fitted(fit, others);
+  if (!good || !good->strays.empty() || isBadFit(*good, settings)) return {};
+  std::vector<Stray> views;
+  for (const CameraData& camera : data.cameras) {
+    for (const View& view : camera.views) {
+      if (images.count(view.image) > 0) views.push_back({.camera = camera.name, .image = view.image});
+    }
+  }
+  return judged(views, data, *good);
+}
+
+}  // namespace
+
+std::optional<Result> withoutUnfitViewsOfRig(const Dataset& data, const Settings& settings, const Result* bad,
+                                             const Fit& fit, const Fit& fit_with_second_look) {
+  if (data.cameras.size() == 1) return {};
+  std::vector<Stray> unfit;
+  if (!isLong(data)) unfit = scaledViewsOfEachCamera(data, fit_with_second_look);
+  if (unfit.empty() && bad) unfit = unfitOfWorstImages(data, settings, *bad, fit);
+  if (unfit.empty()) return {};
+  std::optional<Result> without = fitted(fit, withoutViews(data, unfit));
+  if (!without || !without->strays.empty() || isBadFit(*without, settings)) return {};
+  without->strays = sortedByImage(judged(unfit, data, *without));
+  if (without->strays.size() < unfit.size()) return {};
   return without;
 }
 

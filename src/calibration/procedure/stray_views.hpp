@@ -34,6 +34,13 @@ std::optional<Result> withoutScaledViews(const Dataset& data, const Settings& se
 std::optional<Result> withoutViewsToScale(const Dataset& data, const Settings& settings, const Result& bad,
                                           const Fit& fit);
 
+/// Returns, for a rig whose fit is bad or fails (null), a fit without views that no pose fits, such as views of another
+/// size. In a rig, such a view may seem right, and the view of another camera at the same time wrong. So looks at each
+/// camera alone, by `fit_with_second_look`. If that finds nothing, compares all views of the images that seem wrong with
+/// a fit of the other images.
+std::optional<Result> withoutUnfitViewsOfRig(const Dataset& data, const Settings& settings, const Result* bad,
+                                             const Fit& fit, const Fit& fit_with_second_look);
+
 /// Sets Result::better_model and causes of a bad fit, and undetermined if all boards are nearly parallel.
 void nameCauses(const Dataset& data, const Settings& settings, Result& result);
 

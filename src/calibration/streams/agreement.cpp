@@ -145,7 +145,13 @@ StreamAgreement agreementOf(const StreamResult& first, const StreamResult& secon
   agreement.gravity_angle = std::atan2(a.cross(b).norm(), a.dot(b));
   agreement.gravity_std = largestOf({first.gravity_direction_std * growthOfRotations(first),
                                      second.gravity_direction_std * growthOfRotations(second)});
-  addLargest(agreement);
+  for (const StreamResult* fit : {&first, &second}) {
+    if (!fit->success() && agreement.contradiction.empty())
+      agreement.contradiction =
+          fmt::format("The fit by {} failed, so there is nothing to compare: {}.", toString(fit->path),
+                      fit->undetermined.empty() ? fit->message : fit->undetermined);
+  }
+  if (agreement.contradiction.empty()) addLargest(agreement);
   return agreement;
 }
 

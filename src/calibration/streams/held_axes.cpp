@@ -22,7 +22,7 @@ constexpr double far_away = 3;      // standard deviations that the pose or the 
 constexpr double much_smaller = 3;  // residuals
 
 /// Returns how far the poses and clocks of the IMUs move from one fit to another, in standard deviations of the first.
-StreamAgreement moves(const StreamResult& held, const StreamResult& freed) {
+StreamAgreement movesOf(const StreamResult& held, const StreamResult& freed) {
   StreamResult moved = held;
   for (std::size_t i = 0; i < held.imus.size(); ++i) {
     moved.imus[i].left2imu = freed.imus[i].left2imu;
@@ -31,22 +31,9 @@ StreamAgreement moves(const StreamResult& held, const StreamResult& freed) {
   return agreementOf(held, moved);
 }
 
-/// Returns the IMUs with the values of a fit.
-std::vector<StartedImu> startedAt(const StreamResult& result, std::vector<StartedImu> imus) {
-  for (std::size_t i = 0; i < imus.size(); ++i) {
-    const ImuStreamResult& fitted = result.imus[i];
-    imus[i].start = {fitted.time_offset, fitted.left2imu.orient, fitted.gyro_bias};
-    imus[i].noise = fitted.noise;
-    imus[i].left2imu = fitted.left2imu;
-    imus[i].force_bias = fitted.force_bias;
-    imus[i].axes = ImuAxes::scale_misalignment;
-  }
-  return imus;
-}
-
 /// Doubts IMUs whose pose or clock moves far in a fit with errors of axes, if these are significant.
 void doubtByMoves(const StreamProblem& problem, const StreamResult& freed, StreamResult& result) {
-  const StreamAgreement move = moves(result, freed);
+  const StreamAgreement move = movesOf(result, freed);
   for (std::size_t i = 0; i < result.imus.size(); ++i) {
     const auto [deviations, name] = move.imus[i].largest();
     if (deviations > far_away && problem.hasErrorOfAxes(i, significant))
@@ -70,6 +57,19 @@ void doubtByResiduals(const StreamResult& freed, StreamResult& result) {
 
 }  // namespace
 
+std::vector<StartedImu> startedAt(const StreamResult& result, std::vector<StartedImu> imus) {
+  for (std::size_t i = 0; i < imus.size(); ++i) {
+    const ImuStreamResult& fitted = result.imus[i];
+    imus[i].start = {fitted.time_offset, fitted.left2imu.orient, fitted.gyro_bias};
+    imus[i].noise = fitted.noise;
+    imus[i].left2imu = fitted.left2imu;
+    imus[i].force_bias = fitted.force_bias;
+    imus[i].axes = fitted.axes.estimated;
+    imus[i].model = fitted.axes.model;
+  }
+  return imus;
+}
+
 void doubtHeldAxes(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
                    const std::vector<RigAtImage>& images, std::vector<StartedImu> imus, double gravity,
                    const Options& options, StreamResult& result) {
@@ -78,8 +78,10 @@ void doubtHeldAxes(const Dataset& data, const Settings& settings, const CamerasA
   try {
     Settings at = settings;
     at.sigma_px = result.sigma_px;
+    imus = startedAt(result, std::move(imus));
+    for (StartedImu& imu : imus) imu.axes = ImuAxes::scale_misalignment;
     StreamProblem problem(data, condensed(data, cameras), at, cameras, images,
-                          mtk::S2<>(vec3(-result.gravity)), startedAt(result, std::move(imus)), gravity);
+                          mtk::S2<>(vec3(-result.gravity)), imus, gravity);
     problem.freeBoardScale();
     if (!problem.optimize(options).converged) return;
     StreamResult freed;

@@ -7,6 +7,9 @@
 
 namespace slom::calibration {
 
+/// Returns the IMUs, which have the streams and the jumps of the fit, with the values of the fit.
+std::vector<StartedImu> startedAt(const StreamResult& result, std::vector<StartedImu> imus);
+
 /// Doubts that the axes of the IMUs are calibrated. `result` is a fit, by either way, that held them so. One more fit, by
 /// preintegration, estimates the errors of the axes and the size of the board: both may be wrong, and only together they
 /// are told apart. There is a doubt if an error of an axis is significant and either moves the pose or the clock of an

@@ -101,7 +101,9 @@ Verdict verdictOf(const StreamResult& streams, const Result& cameras,
   if (cameras.quality) doubtTimes(cameras, verdict.doubts);
   for (const ImuStreamResult& imu : streams.imus) doubtClock(imu, verdict.doubts);
   verdict.doubts.insert(verdict.doubts.end(), streams.doubts.begin(), streams.doubts.end());
-  if (agreement && !agreement->contradiction.empty())
+  if (agreement && !agreement->contradiction.empty() && agreement->largest_name.empty())
+    verdict.doubts.push_back("splines and preintegration cannot be compared, because one of the fits failed");
+  else if (agreement && !agreement->contradiction.empty())
     verdict.doubts.push_back(fmt::format("splines and preintegration differ by {} standard deviations in {}",
                                          fixedDecimals(agreement->largest, 1), agreement->largest_name));
   for (const ImuStreamResult& imu : streams.imus) doubtHalves(imu, verdict.doubts);

@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
+#include "io/bal/limits.hpp"
 #include "io/bal/words.hpp"
 #include "io/fault.hpp"
 #include "slom/io/bal.hpp"
+#include "slom/io/bal_part.hpp"
 #include "slom/io/input_file.hpp"
 #include "slom/io/number.hpp"
 
@@ -16,13 +19,6 @@ namespace bal {
 
 namespace {
 
-constexpr double most_px = 1e6;                               // magnitude of a coordinate in an image [px]
-constexpr double least_focal_px = 1e-3, most_focal_px = 1e9;  // limits of a focal length [px]
-constexpr std::array<const char*, 9> camera_parts{
-    "rotation x", "rotation y", "rotation z", "translation x", "translation y", "translation z",
-    "f",          "k1",         "k2"};
-constexpr std::array<const char*, 3> point_parts{"x", "y", "z"};
-constexpr std::array<const char*, 2> pixel_parts{"u", "v"};
 constexpr const char* observation_form = "camera point u v";
 
 class Reader {
@@ -55,12 +51,7 @@ class Reader {
   }
 
   void readCounts() {
-    if (!words_.next()) {
-      io::fail(
-          "empty-file",
-          scene_.file + ": the file is empty; a BAL file begins with a line \"cameras points observations\"",
-          scene_.file);
-    }
+    if (!words_.next()) refuseEmptyBal(scene_.file);
     cameras_ = count("cameras");
     nextCount();
     points_ = count("points");
@@ -123,10 +114,7 @@ class Reader {
 
   Camera camera(int i) {
     const auto x = numbers("camera", i, camera_parts);
-    Camera camera;
-    camera.pose = {mtk::SO3<>::exp(mtk::vect<3>(x.head<3>())), mtk::vect<3>(x.segment<3>(3))};
-    camera.lens = slom::SnavelyIntrinsics<>(x.tail<3>());
-    return camera;
+    return cameraFromBal(std::span<const double, bal_camera_size>(x.data(), bal_camera_size));
   }
 
   /// Reads the next numbers, on whatever lines, as item number i.
@@ -180,10 +168,30 @@ class Reader {
   int cameras_ = 0, points_ = 0, observations_ = 0;
 };
 
+Scene sceneFrom(const Container& container) {
+  const BalCounts counts = readBalCounts(container);
+  container.requireWhole();
+  const BalPart part = readBalPart(container, 0, 1);
+  Scene scene;
+  scene.file = container.file();
+  for (const BalObservation& seen : part.observations)
+    scene.observations.push_back({seen.camera, seen.point, seen.line, mtk::vect<2>(seen.u, seen.v)});
+  for (std::size_t i = 0; i < part.cameras.size(); i += bal_camera_size) {
+    std::array<double, bal_camera_size> numbers{};
+    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = part.cameras[i + k].value;
+    scene.cameras.push_back(cameraFromBal(numbers));
+  }
+  scene.points.resize(std::size_t(counts.points));
+  for (const BalNumber& number : part.points)
+    scene.points[std::size_t(number.item)][number.part] = number.value;
+  return scene;
+}
+
 }  // namespace
 }  // namespace bal
 
 Scene readScene(const std::string& file) {
+  if (isContainer(file)) return bal::sceneFrom(Container(file));
   std::string content = readWhole(file);
   if (content.starts_with("BZh")) content = bzip2Decompressed(file, content);
   return parseScene(file, content);

@@ -74,6 +74,12 @@ bool Lines::readMore() {
 }
 
 bool Lines::nextLine() {
+  if (given_ != nullptr) {
+    if (next_given_ == given_->size()) return false;
+    line_ = (*given_)[next_given_];
+    line_number_ = given_->number(next_given_++) - 1;
+    return true;
+  }
   for (std::size_t seen = 0;;) {
     const char* const first = buffer_.data() + begin_;
     const std::size_t size = end_ - begin_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slom/io/input_file.hpp"
+#include "slom/io/numbered_lines.hpp"
 
 namespace slom::io::g2o {
 
@@ -18,6 +19,8 @@ class Lines {
   /// Opens the file, whose name must outlive this object. Throws the errors of openInput, and [slom.io.bad-line] if a
   /// line is longer than 16 MiB.
   explicit Lines(const std::string& file);
+  /// Takes some lines of the file. Both must outlive this object.
+  Lines(const std::string& file, const NumberedLines& lines) : file_(file), given_(&lines) {}
 
   /// Moves to the next line with content. Returns false at the end.
   bool next();
@@ -46,6 +49,8 @@ class Lines {
   [[noreturn]] void failCount() const;
 
   const std::string& file_;
+  const NumberedLines* given_ = nullptr;  // instead of the file
+  int next_given_ = 0;
   InputStream stream_;
   std::vector<char> buffer_;
   char end_of_line_ = '\n';

@@ -1,12 +1,16 @@
+#include <algorithm>
 #include <array>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "io/fault.hpp"
+#include "io/g2o/line_forms.hpp"
 #include "io/g2o/raw_graph.hpp"
 #include "io/g2o/values.hpp"
+#include "slom/io/container.hpp"
 #include "slom/io/g2o.hpp"
+#include "slom/io/number.hpp"
 
 namespace slom::io {
 
@@ -109,6 +113,8 @@ constexpr std::array<Tag<Pose3>, 8> space_tags{{
      readPosePrior<readQuaternionPose>},
 }};
 
+constexpr const char* fix_form = "FIX i";
+
 /// The first line that showed whether the graph is in the plane or in space.
 struct FirstLine {
   std::string tag;
@@ -120,17 +126,32 @@ class Reader {
   explicit Reader(const std::string& file) { plane_.graph.file = space_.graph.file = file; }
 
   AnyPoseGraph read() {
+    Lines line(plane_.graph.file);
+    return read(line);
+  }
+  /// Reads all lines of the file.
+  AnyPoseGraph readWhole(const NumberedLines& lines) {
+    Lines line(plane_.graph.file, lines);
+    return read(line);
+  }
+  /// Reads some lines of the file.
+  AnyPoseGraph read(const NumberedLines& lines) {
+    is_part_ = true;
+    Lines line(plane_.graph.file, lines);
+    return read(line);
+  }
+
+ private:
+  AnyPoseGraph read(Lines& line) {
     const std::string& file = plane_.graph.file;
-    Lines line(file);
     bool is_empty = true;
     for (; line.next(); is_empty = false) readLine(line);
-    if (is_empty)
+    if (is_empty && !is_part_)
       fail("empty-file", file + ": the file is empty; a pose graph has a line for each edge", file);
     if (in_space_.number != 0) return finish(std::move(space_));
     return finish(std::move(plane_));
   }
 
- private:
   void readLine(Lines& line) {
     if (readTagged(line, plane_tags, plane_, in_plane_, in_space_)) return;
     if (readTagged(line, space_tags, space_, in_space_, in_plane_)) return;
@@ -158,7 +179,7 @@ class Reader {
   }
 
   void readFix(Lines& line) {
-    line.expect(1, "FIX i");
+    line.expect(1, fix_form);
     do {
       fixed_.push_back({line.id(), line.lineNumber()});
     } while (!line.atEnd());
@@ -166,7 +187,7 @@ class Reader {
 
   template <class Pose>
   PoseGraph<Pose> finish(RawGraph<Pose>&& raw) {
-    if (raw.graph.edges.empty() && raw.graph.sightings.empty() && raw.graph.bearings.empty() &&
+    if (!is_part_ && raw.graph.edges.empty() && raw.graph.sightings.empty() && raw.graph.bearings.empty() &&
         raw.graph.pose_priors.empty() && raw.graph.position_priors.empty()) {
       std::string found;  // names from a file of another kind
       for (const auto& [tag, lines] : unknown_.lines)
@@ -192,11 +213,27 @@ class Reader {
   RawGraph<Pose2> plane_;
   RawGraph<Pose3> space_;
   FirstLine in_plane_, in_space_;
+  bool is_part_ = false;
   std::vector<FixedVertex> fixed_;
   UnknownTags unknown_;
 };
 
 }  // namespace
+
+std::vector<LineForm> lineForms() {
+  std::vector<LineForm> forms;
+  const auto add = [&](std::string_view name, int words, const char* form) {
+    int ids = 0;  // words of the form after the tag
+    for (const std::string_view word : {" i", " j", " sensor"})
+      ids += (std::string(form) + " ").find(std::string(word) + " ") != std::string::npos ? 1 : 0;
+    forms.push_back({name, ids, words, form});
+  };
+  for (const auto& tag : plane_tags) add(tag.name, tag.words, tag.form);
+  for (const auto& tag : space_tags) add(tag.name, tag.words, tag.form);
+  add("FIX", 1, fix_form);
+  return forms;
+}
+
 }  // namespace g2o
 
 void UnknownTags::add(std::string_view tag) {
@@ -221,6 +258,48 @@ std::vector<std::string> UnknownTags::sentences() const {
   return all;
 }
 
-AnyPoseGraph readPoseGraph(const std::string& file) { return g2o::Reader(file).read(); }
+AnyPoseGraph readPoseGraph(const std::string& file) {
+  if (!isContainer(file)) return g2o::Reader(file).read();
+  const Container container(file);
+  container.requireContent(ContainerContent::graph);
+  container.requireWhole();
+  NumberedLines lines = readLinesOfPart(container, 0, 1);
+  lines.sort();
+  return g2o::Reader(file).readWhole(lines);
+}
+
+AnyPoseGraph parsePoseGraph(const std::string& file, const NumberedLines& lines) {
+  return g2o::Reader(file).read(lines);
+}
+
+GraphLine kindOfLine(std::string_view line) {
+  const auto word = [&line] {
+    const std::size_t first = std::min(line.find_first_not_of(" \t\r"), line.size());
+    const std::size_t end = std::min(line.find_first_of(" \t\r", first), line.size());
+    const std::string_view result = line.substr(first, end - first);
+    line.remove_prefix(end);
+    return result;
+  };
+  using Kind = GraphLine::Kind;
+  GraphLine result;
+  const std::string_view tag = word();
+  const auto is_known = [&](const auto& tags) {
+    return std::any_of(tags.begin(), tags.end(), [&](const auto& known) { return known.name == tag; });
+  };
+  if (tag != "FIX" && !is_known(g2o::plane_tags) && !is_known(g2o::space_tags)) return result;
+  if (!parseNumber(word(), result.id)) return result;
+  if (tag == "FIX") {
+    result.kind = Kind::fix;
+  } else if (tag.starts_with("VERTEX")) {
+    result.kind = Kind::vertex;
+  } else if (tag.starts_with("PARAMS")) {
+    result.kind = Kind::sensor;
+  } else if (tag.find("PRIOR") != std::string_view::npos) {
+    result.kind = Kind::prior;
+  } else if (parseNumber(word(), result.to)) {
+    result.kind = Kind::edge;
+  }
+  return result;
+}
 
 }  // namespace slom::io

@@ -14,4 +14,15 @@ SolveStatus BlockMethod::prepare(const Eigen::VectorXd& damping, Eigen::VectorXd
   return status;
 }
 
+SolveStatus BlockMethod::solveColumns(Eigen::MatrixXd& X) {
+  SolveStatus status;
+  Eigen::VectorXd x;
+  for (Eigen::Index j = 0; status.ok && j < X.cols(); ++j) {
+    x = X.col(j);
+    status = solve(x);
+    X.col(j) = x;
+  }
+  return status;
+}
+
 }  // namespace slom

@@ -31,6 +31,8 @@ class BlockMethod {
 
   /// Computes x := (H + damping)^-1 x, to rounding.
   virtual SolveStatus solve(Eigen::VectorXd& x) = 0;
+  /// Does the same for each column of X. After a failure, X is undefined.
+  virtual SolveStatus solveColumns(Eigen::MatrixXd& X);
   /// Returns blocks of the inverse, see BlockSolver; null if there is no factor.
   virtual std::unique_ptr<InverseBlocks> invertBlocks() = 0;
   virtual bool isExact() const = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/index.hpp"
+#include "base/threads.hpp"
 
 namespace slom {
 
@@ -83,6 +84,32 @@ SolveStatus CholeskyMethod::solve(VectorXd& x) {
   if (elimination_) elimination_->forward(equations_.H(), equations_.offset(), x);
   factor_.forwardSolve(elimination_ ? kept(x) : x);
   backSolve(x);
+  return {};
+}
+
+void CholeskyMethod::solveAlone(VectorXd& x, MultifrontalCholesky::Workspace& workspace) const {
+  if (!elimination_) {
+    x = factor_.solveAlone(x, workspace);
+    return;
+  }
+  elimination_->forward(equations_.H(), equations_.offset(), x);
+  x(kept_) = factor_.solveAlone(kept(x), workspace);
+  elimination_->substitute(equations_.H(), equations_.offset(), x);
+}
+
+/// Solves a part of the columns on each thread. If there are fewer columns than threads, all threads solve each column.
+SolveStatus CholeskyMethod::solveColumns(Eigen::MatrixXd& X) {
+  const int columns = static_cast<int>(X.cols()), parts = detail::threadCount();
+  if (parts < 2 || columns < parts) return BlockMethod::solveColumns(X);
+  detail::forEachIndex(parts, [&](int part) {
+    MultifrontalCholesky::Workspace workspace;
+    VectorXd x;
+    for (int j = part; j < columns; j += parts) {
+      x = X.col(j);
+      solveAlone(x, workspace);
+      X.col(j) = x;
+    }
+  });
   return {};
 }
 

@@ -19,6 +19,7 @@ class CholeskyMethod final : public BlockMethod {
                  std::unique_ptr<Elimination> elimination, const std::vector<int>& rest, Fronts fronts);
 
   SolveStatus solve(Eigen::VectorXd& x) override;
+  SolveStatus solveColumns(Eigen::MatrixXd& X) override;
   std::unique_ptr<InverseBlocks> invertBlocks() override;
   bool isExact() const override { return true; }
   double flops() const override;
@@ -28,6 +29,7 @@ class CholeskyMethod final : public BlockMethod {
   SolveStatus factorize(const Eigen::VectorXd& damping, Eigen::VectorXd* x) override;
   SolveStatus finishStep(Eigen::VectorXd& x, bool is_forward_solved) override;
   void backSolve(Eigen::VectorXd& x);
+  void solveAlone(Eigen::VectorXd& x, MultifrontalCholesky::Workspace& workspace) const;
   const BlockLower& matrix() const { return elimination_ ? elimination_->S() : equations_.H(); }
   Eigen::VectorXd kept(const Eigen::VectorXd& x) const;
 

@@ -86,7 +86,7 @@ MultifrontalCholesky::Failure MultifrontalCholesky::factorizeFront(const BlockLo
     for (int s = 0; s < stripes; ++s) each_update(s);
   }
   add_children([&](const dense::Child& child) { kernel.addToUpdate(child, U, front.p); });
-  if (solves_forward_) forward(f);
+  if (solves_forward_) forward(f, own_);
   return failure;
 }
 
@@ -134,7 +134,7 @@ SolveStatus MultifrontalCholesky::factorize(const BlockLower& H, const Eigen::Ve
                                             const Eigen::VectorXd& damping, double tolerance,
                                             const Eigen::VectorXd* b) {
   solves_forward_ = b != nullptr;
-  if (solves_forward_) begin(*b);
+  if (solves_forward_) begin(*b, own_);
   for (std::size_t i = 0; i < least_.size(); ++i) {
     const int unknown = unknown_[i];
     shift_[i] = damping.size() > 0 ? damping[unknown] : 0;
@@ -148,17 +148,17 @@ SolveStatus MultifrontalCholesky::factorize(const BlockLower& H, const Eigen::Ve
 }
 
 /// Computes x := L^-1 x for the front's pivots. What this subtracts from later rows goes to the parent, through
-/// `vectors_`.
-void MultifrontalCholesky::forward(int f) {
+/// `solution.rows`.
+void MultifrontalCholesky::forward(int f, Workspace& solution) const {
   const auto& kernel = kernels();
   const Front& front = fronts_.front[at(f)];
   const Layout& layout = layout_[at(f)];
-  double* const x = x_.data() + fronts_.offset[at(front.first_column)];
-  double* const rows = vectors_.data() + layout.vector;
+  double* const x = solution.x.data() + fronts_.offset[at(front.first_column)];
+  double* const rows = solution.rows.data() + layout.vector;
   const auto add_children = [&](auto target_of) {
     for (int c = layout.first_child; c < layout.last_child; ++c) {
       const Layout& child = layout_[at(children_[at(c)])];
-      const double* const from = vectors_.data() + child.vector;
+      const double* const from = solution.rows.data() + child.vector;
       for (int r = child.first_run; r < child.last_run; ++r) {
         const dense::Run& run = runs_[at(r)];
         double* const to = target_of(run.target);
@@ -174,41 +174,56 @@ void MultifrontalCholesky::forward(int f) {
   add_children([&](int target) { return target < front.p ? nullptr : rows + (target - front.p); });
 }
 
-void MultifrontalCholesky::backward(int f) {
+void MultifrontalCholesky::backward(int f, Workspace& solution) const {
   const auto& kernel = kernels();
   const Front& front = fronts_.front[at(f)];
   const Layout& layout = layout_[at(f)];
-  double* const x = x_.data() + fronts_.offset[at(front.first_column)];
-  double* to = vectors_.data() + layout.vector;
+  double* const x = solution.x.data() + fronts_.offset[at(front.first_column)];
+  double* to = solution.rows.data() + layout.vector;
   for (int r = front.first_row; r < front.last_row; ++r) {
     const int position = fronts_.row[at(r)];
-    for (int i = fronts_.offset[at(position)]; i < fronts_.offset[at(position) + 1]; ++i) *to++ = x_[at(i)];
+    for (int i = fronts_.offset[at(position)]; i < fronts_.offset[at(position) + 1]; ++i)
+      *to++ = solution.x[at(i)];
   }
-  kernel.backwardRows(L_.data() + layout.B, front.p, front.u, vectors_.data() + layout.vector, x);
+  kernel.backwardRows(L_.data() + layout.B, front.p, front.u, solution.rows.data() + layout.vector, x);
   kernel.backwardPivots(L_.data() + layout.D, inverse_.data() + fronts_.offset[at(front.first_column)],
                         front.p, x);
 }
 
-void MultifrontalCholesky::begin(const Eigen::VectorXd& b) {
-  for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = b[unknown_[i]];
+void MultifrontalCholesky::begin(const Eigen::VectorXd& b, Workspace& solution) const {
+  for (std::size_t i = 0; i < solution.x.size(); ++i) solution.x[i] = b[unknown_[i]];
+}
+
+Eigen::VectorXd MultifrontalCholesky::end(const Workspace& solution) const {
+  Eigen::VectorXd result(static_cast<Eigen::Index>(solution.x.size()));
+  for (std::size_t i = 0; i < solution.x.size(); ++i) result[unknown_[i]] = solution.x[i];
+  return result;
 }
 
 void MultifrontalCholesky::forwardSolve(const Eigen::VectorXd& b) {
-  begin(b);
+  begin(b, own_);
   forEachSubtree([&](int t) {
-    for (const int f : subtree_[at(t)]) forward(f);
+    for (const int f : subtree_[at(t)]) forward(f, own_);
   });
-  for (const int f : subtree_.back()) forward(f);
+  for (const int f : subtree_.back()) forward(f, own_);
 }
 
 Eigen::VectorXd MultifrontalCholesky::backSolve() {
-  for (auto f = subtree_.back().rbegin(); f != subtree_.back().rend(); ++f) backward(*f);
+  for (auto f = subtree_.back().rbegin(); f != subtree_.back().rend(); ++f) backward(*f, own_);
   forEachSubtree([&](int t) {
-    for (auto f = subtree_[at(t)].rbegin(); f != subtree_[at(t)].rend(); ++f) backward(*f);
+    for (auto f = subtree_[at(t)].rbegin(); f != subtree_[at(t)].rend(); ++f) backward(*f, own_);
   });
-  Eigen::VectorXd result(static_cast<Eigen::Index>(x_.size()));
-  for (std::size_t i = 0; i < x_.size(); ++i) result[unknown_[i]] = x_[i];
-  return result;
+  return end(own_);
+}
+
+Eigen::VectorXd MultifrontalCholesky::solveAlone(const Eigen::VectorXd& b, Workspace& workspace) const {
+  workspace.x.resize(own_.x.size());
+  workspace.rows.resize(own_.rows.size());
+  begin(b, workspace);
+  const int fronts = static_cast<int>(layout_.size());
+  for (int f = 0; f < fronts; ++f) forward(f, workspace);
+  for (int f = fronts; f-- > 0;) backward(f, workspace);
+  return end(workspace);
 }
 
 }  // namespace slom

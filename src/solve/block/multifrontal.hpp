@@ -31,6 +31,12 @@ class MultifrontalCholesky {
   /// by unknown.
   void forwardSolve(const Eigen::VectorXd& b);
   Eigen::VectorXd backSolve();
+  /// The numbers of a solution while it is computed.
+  struct Workspace {
+    std::vector<double> x, rows;
+  };
+  /// Returns (H + damping)^-1 b. Several threads may call it, each with a workspace of its own.
+  Eigen::VectorXd solveAlone(const Eigen::VectorXd& b, Workspace& workspace) const;
   /// Writes the blocks of (H + damping)^-1 at the places of H's blocks into Z, which is laid out as H.
   void invertSelected(BlockLower& Z) const;
 
@@ -45,7 +51,7 @@ class MultifrontalCholesky {
     int first_run = 0, last_run = 0;      // in runs_; this front's rows in its parent
     std::size_t relative = 0;             // in relative_; this front's rows in its parent
     int first_entry = 0, last_entry = 0;  // in entries_
-    std::size_t vector = 0;               // in vectors_
+    std::size_t vector = 0;               // in Workspace::rows
   };
   struct Failure {
     int pivot = -1;  // position of the unknown in the permuted system
@@ -68,10 +74,11 @@ class MultifrontalCholesky {
   Failure factorizeSequentially(const BlockLower& H);
   template <class F>
   void forEachSubtree(const F& f) const;
-  void begin(const Eigen::VectorXd& b);
-  void forward(int f);
+  void begin(const Eigen::VectorXd& b, Workspace& solution) const;
+  Eigen::VectorXd end(const Workspace& solution) const;
+  void forward(int f, Workspace& solution) const;
   Eigen::MatrixXd invertFront(int f, const Eigen::MatrixXd& above, BlockLower& Z) const;
-  void backward(int f);
+  void backward(int f, Workspace& solution) const;
 
   Fronts fronts_;
   std::vector<int> unknown_;  // by place of the permuted system
@@ -85,7 +92,8 @@ class MultifrontalCholesky {
   bool is_sequential_ = false;   // true: the places of updates are planned for one thread
   bool solves_forward_ = false;  // the present factorisation solves a right-hand side too
   dense::BigArray L_, updates_;
-  std::vector<double> inverse_, least_, shift_, vectors_, x_;
+  std::vector<double> inverse_, least_, shift_;
+  Workspace own_;  // of the right-hand side that is solved on all threads
 };
 
 }  // namespace slom

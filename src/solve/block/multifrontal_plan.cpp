@@ -73,7 +73,7 @@ void MultifrontalCholesky::analyze(const std::vector<int>& offset, Fronts fronts
   inverse_.assign(n, 0.0);
   least_.assign(n, 0.0);
   shift_.assign(n, 0.0);
-  x_.assign(n, 0.0);
+  own_.x.assign(n, 0.0);
 }
 
 void MultifrontalCholesky::layOut() {
@@ -92,7 +92,7 @@ void MultifrontalCholesky::layOut() {
     if (front.parent >= 0) ++count[at(front.parent) + 1];
   }
   L_.resize(size);
-  vectors_.assign(vector, 0.0);
+  own_.rows.assign(vector, 0.0);
   for (int f = 0; f < n; ++f) {
     count[at(f) + 1] += count[at(f)];
     layout_[at(f)].first_child = layout_[at(f)].last_child = count[at(f)];

@@ -46,38 +46,50 @@ void ReducedOperator::analyze(const BlockLower& H, int eliminated, Preconditione
   inverse_.resize(at(left()));
 }
 
-SolveStatus ReducedOperator::prepare(const BlockLower& H, const std::vector<int>& offset,
-                                     const VectorXd& damping, double tolerance) {
+SolveStatus ReducedOperator::prepareProducts(const BlockLower& H, const std::vector<int>& offset,
+                                             const VectorXd& damping, double tolerance) {
   H_ = &H;
   const SolveStatus status = eliminated_.factorizeAll(H, offset, damping, tolerance);
   if (!status.ok) return status;
-  detail::forEachIndex(left(), [&](int c) { prepareRow(c, offset, damping); });
+  for (int c = 0; c < left(); ++c) {
+    const int j = eliminated_.count() + c;
+    diagonal_[at(c)] = Block(H.values(H.begin(j)), dof(c), dof(c));
+    if (damping.size() > 0) diagonal_[at(c)].diagonal() += damping.segment(offset[at(j)], dof(c));
+  }
+  return status;
+}
+
+SolveStatus ReducedOperator::prepare(const BlockLower& H, const std::vector<int>& offset,
+                                     const VectorXd& damping, double tolerance) {
+  const SolveStatus status = prepareProducts(H, offset, damping, tolerance);
+  if (!status.ok) return status;
+  detail::forEachIndex(left(), [&](int c) { prepareRow(c); });
   for (int c = 0; c < left(); ++c) {
     if (inverse_[at(c)].size() == 0) return {false, offset[at(eliminated_.count() + c)], 0};
   }
   return {};
 }
 
-/// Prepares the preconditioner's block. Leaves inverse_ empty if the block is not positive definite.
-void ReducedOperator::prepareRow(int c, const std::vector<int>& offset, const VectorXd& damping) {
-  const int j = eliminated_.count() + c, height = dof(c);
-  MatrixXd& D = diagonal_[at(c)];
-  D = Block(H_->values(H_->begin(j)), height, height);
-  if (damping.size() > 0) D.diagonal() += damping.segment(offset[at(j)], height);
-  MatrixXd M = D;
-  if (preconditioner_ == Preconditioner::schur_jacobi) {
-    MatrixXd Y;
-    for (int n = first_[at(c)]; n < first_[at(c) + 1]; ++n) {
-      const auto [block, e] = neighbours_[at(n)];
-      if (e >= eliminated_.count()) continue;
-      Y = Block(H_->values(block), height, H_->dof(e)).transpose();
-      for (int i = 0; i < height; ++i) eliminated_.forward(e, H_->dof(e), Y.col(i).data());
-      M.noalias() -= Y.transpose().lazyProduct(Y);
-    }
+MatrixXd ReducedOperator::diagonalBlock(int c) const {
+  MatrixXd M = diagonal_[at(c)];
+  if (preconditioner_ != Preconditioner::schur_jacobi) return M;
+  const int height = dof(c);
+  MatrixXd Y;
+  for (int n = first_[at(c)]; n < first_[at(c) + 1]; ++n) {
+    const auto [block, e] = neighbours_[at(n)];
+    if (e >= eliminated_.count()) continue;
+    Y = Block(H_->values(block), height, H_->dof(e)).transpose();
+    for (int i = 0; i < height; ++i) eliminated_.forward(e, H_->dof(e), Y.col(i).data());
+    M.noalias() -= Y.transpose().lazyProduct(Y);
   }
-  const Eigen::LLT<MatrixXd> factor(M);
+  return M;
+}
+
+/// Prepares the preconditioner's block. Leaves inverse_ empty if the block is not positive definite.
+void ReducedOperator::prepareRow(int c) {
+  const Eigen::LLT<MatrixXd> factor(diagonalBlock(c));
   if (factor.info() == Eigen::Success) {
-    inverse_[at(c)] = factor.solve(MatrixXd::Identity(height, height));
+    inverse_[at(c)] = factor.solve(MatrixXd::Identity(dof(c), dof(c)));
   } else {
     inverse_[at(c)].resize(0, 0);
   }

@@ -30,6 +30,11 @@ class ReducedOperator {
   /// entry.
   SolveStatus prepare(const BlockLower& H, const std::vector<int>& offset, const Eigen::VectorXd& damping,
                       double tolerance);
+  /// Prepares products alone, without the preconditioner.
+  SolveStatus prepareProducts(const BlockLower& H, const std::vector<int>& offset,
+                              const Eigen::VectorXd& damping, double tolerance);
+  /// Returns the block of remaining block c that the preconditioner inverts: for schur_jacobi, that of S.
+  Eigen::MatrixXd diagonalBlock(int c) const;
   /// Computes y := S x.
   void multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y);
   /// Computes z := M^-1 r with an M close to S.
@@ -46,7 +51,7 @@ class ReducedOperator {
     return start_[static_cast<std::size_t>(c) + 1] - start_[static_cast<std::size_t>(c)];
   }
   int left() const { return static_cast<int>(start_.size()) - 1; }
-  void prepareRow(int c, const std::vector<int>& offset, const Eigen::VectorXd& damping);
+  void prepareRow(int c);
   void applyDiagonal(const Eigen::VectorXd& r, Eigen::VectorXd& z) const;
 
   const BlockLower* H_ = nullptr;

@@ -9,10 +9,14 @@ constexpr double initial_damping = 1e-4, scale_memory = 0.1;
 
 }  // namespace
 
-BundleFit::BundleFit(const Scene& scene, const FitOptions& options) {
-  apply(options, est_);
+void prepare(const FitOptions& options, Estimator& est) {
+  apply(options, est);
   if (options.algorithm.name == kAlgorithm)
-    est_.changeAlgorithm(LevenbergMarquardt(initial_damping, scale_memory));
+    est.changeAlgorithm(LevenbergMarquardt(initial_damping, scale_memory));
+}
+
+BundleFit::BundleFit(const Scene& scene, const FitOptions& options) {
+  prepare(options, est_);
   variables_ = io::insert(est_, scene, options.loss);
 }
 

@@ -11,6 +11,9 @@
 
 namespace slom::app::bundle {
 
+/// Sets algorithm, solver and threads for scenes.
+void prepare(const FitOptions& options, Estimator& est);
+
 /// Cameras and points as variables, named by their numbers (`camera 3`, `point 17`), observations as
 /// measurements:
 ///   residual  CameraProjection of the point by the camera - observed pixel, with a standard deviation of 1 px

@@ -11,12 +11,13 @@
 
 namespace slom::app::bundle {
 
-std::string sceneText(const Scene& scene, const SceneCheck& check) {
+std::string sceneText(const std::string& file, const SceneNumbers& numbers, const SceneCheck& check) {
   std::string text = fmt::format(
       "bundle adjustment, {}\n  {}, {}, {}\n"
       "  gauge: {} directions are free (place, rotation and scale of {}), held only by damping\n",
-      oneLine(scene.file), plural(scene.cameras.size(), "camera"), plural(scene.points.size(), "point"),
-      plural(scene.observations.size(), "observation"), similarity * check.parts,
+      oneLine(file), plural(std::size_t(numbers.camera_count), "camera"),
+      plural(std::size_t(numbers.point_count), "point"),
+      plural(std::size_t(numbers.observation_count), "observation"), similarity * check.parts,
       check.parts == 1 ? "the whole" : fmt::format("each of {} parts", check.parts));
   for (const std::string& warning : check.warnings) text += fmt::format("  warning: {}\n", warning);
   return text;

@@ -5,12 +5,12 @@
 
 #include "bundle/check.hpp"
 #include "bundle/fit/free_directions.hpp"
-#include "bundle/scene.hpp"
+#include "bundle/scene_numbers.hpp"
 
 namespace slom::app::bundle {
 
 /// Returns the lines on the input, on what no image determines, and the warnings.
-std::string sceneText(const Scene& scene, const SceneCheck& check);
+std::string sceneText(const std::string& file, const SceneNumbers& numbers, const SceneCheck& check);
 
 /// Returns a warning about free directions beyond place, rotation and scale, points seen once, and cameras with few
 /// points; empty if there are none.

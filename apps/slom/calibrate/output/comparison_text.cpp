@@ -73,7 +73,9 @@ std::string comparisonText(const Comparison& comparison) {
 }
 
 std::string boardShapesText(const Comparison& comparison) {
-  std::string text = header("shapes of the board compared", fmt::format("  {:<20}", "board"));
+  std::string text =
+      header(fmt::format("shapes of the board compared, with {}", comparison.trials.front().model.name()),
+             fmt::format("  {:<20}", "board"));
   for (std::size_t i = 0; i < comparison.trials.size(); ++i) {
     const ModelTrial& trial = comparison.trials[i];
     text += row(fmt::format("  {:<20}", toString(trial.board_shape)), trial, comparison.standard_errors[i]);

@@ -360,6 +360,7 @@ Json imuStreamJson(const ImuStreamResult& imu, const std::string& reference) {
               {"gyroscope_ratio", imu.gyro_ratio},
               {"accelerometer_ratio", imu.force_ratio}}}};
   if (imu.halves) json["halves"] = differenceJson(*imu.halves);
+  if (imu.force_lag) json["acc_lag_s"] = {{"value", imu.force_lag->value}, {"std", imu.force_lag->std}};
   if (imu.axes.estimated != ImuAxes::calibrated) json["model"] = imuModelJson(imu.axes);
   return json;
 }

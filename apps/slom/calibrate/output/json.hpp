@@ -1,4 +1,4 @@
-// The result as JSON; docs/calibrate/results.md lists the keys.
+// The result as JSON; docs/calibrate/json.md lists the keys.
 #pragma once
 
 #include <optional>

@@ -81,8 +81,9 @@ void noteDenominator(const Result& result, std::vector<std::string>& notes) {
   notes.push_back(fmt::format(
       "The images do not determine {}, because numerator and denominator of {} have the same effect "
       "there. These were held at 0 +- {:g} each; the standard deviations hold if they stay there. A model "
-      "with fewer parameters does as well: --intrinsics opencv5, or --compare.",
-      fmt::join(model.heldNearZero(), ", "), model.name(), *result.sigma_denominator));
+      "with fewer parameters does as well: --intrinsics opencv5{}.",
+      fmt::join(model.heldNearZero(), ", "), model.name(), *result.sigma_denominator,
+      result.comparison ? "" : ", or --compare"));
 }
 
 /// Notes residuals that contradict a stated sigma. `squares`: sum of squared residuals of one kind, to which

@@ -22,6 +22,8 @@ class GraphFit {
   Estimator& estimator() { return est_; }
   /// Returns the poses in the order of the graph.
   const std::vector<VarID<Pose>>& poses() const { return variables_.poses; }
+  /// Returns the landmarks in the order of the graph.
+  const std::vector<VarID<Point<Pose>>>& landmarks() const { return variables_.landmarks; }
   /// Writes the values into the nodes of the graph.
   void writeTo(PoseGraph<Pose>& graph) const { variables_.writeTo(graph); }
 

@@ -1,43 +1,15 @@
 #include "graph/initialization/components.hpp"
 
-#include <algorithm>
-#include <numeric>
-
 #include <Eigen/Eigenvalues>
 
+#include "graph/initialization/connected_vertices.hpp"
+
 namespace slom::app::graph {
-
-namespace {
-
-/// Disjoint sets that are joined pair by pair.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
-  /// Returns the smallest member of the set of `i`.
-  int find(int i) {
-    while (parent_[std::size_t(i)] != i)
-      i = parent_[std::size_t(i)] = parent_[std::size_t(parent_[std::size_t(i)])];
-    return i;
-  }
-  void join(int a, int b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::size_t(std::max(a, b))] = std::min(a, b);
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
-}  // namespace
 
 template <class Pose>
 std::vector<Component<Pose>> componentsOf(const PoseGraph<Pose>& graph) {
   const int poses = int(graph.poses.size());
-  DisjointSets sets(graph.poses.size() + graph.landmarks.size());
-  for (const auto& edge : graph.edges) sets.join(edge.from, edge.to);
-  for (const auto& sighting : graph.sightings) sets.join(sighting.from, poses + sighting.to);
-  for (const auto& bearing : graph.bearings) sets.join(bearing.from, poses + bearing.to);
+  DisjointSets sets = connectedVertices(graph);
   std::vector<Component<Pose>> components;
   std::vector<int> component_of_first(graph.poses.size() + graph.landmarks.size(), -1);
   std::vector<int> component_of(component_of_first.size());

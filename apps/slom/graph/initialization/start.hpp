@@ -22,7 +22,8 @@ std::optional<Start> parseStart(const std::string& text);
 /// The starts that were tried, and the one that the graph begins from.
 struct StartFound {
   Start start = Start::given;
-  std::vector<Start> tried;  ///< with --init auto, those that could be found
+  std::vector<Start> tried;    ///< with --init auto, those that could be found
+  bool is_checkpoint = false;  ///< the values are those of a checkpoint
 };
 
 /// Gives all poses and landmarks that are not fixed their start values. Without `start`, tries the file (if it has

@@ -49,6 +49,7 @@ std::string fixedText(const PoseGraph<Pose>& graph, const Gauge& gauge) {
 std::string startText(const std::optional<StartFound>& start) {
   if (!start) return "each pose at the end of an edge from earlier poses";
   const StartFound& found = *start;
+  if (found.is_checkpoint) return "checkpoint";
   std::string text = optionOf(found.start);
   for (std::size_t i = 0; found.tried.size() > 1 && i < found.tried.size(); ++i) {
     text += i == 0 ? ", with the lowest RSS among " : i + 1 == found.tried.size() ? " and " : ", ";

@@ -6,10 +6,10 @@
 ///
 ///   world   x east, y magnetic north, z up
 ///   body    the axes of the sensors; at rest the accelerometer reads +g upwards
-/// The specific force is integrated to a velocity that stays near 0 on average: v ~ (0, sigma^2) with a short memory. So
-/// gravity is separated from motion by a statement on the motion, without a threshold on accelerations. The field of the
-/// earth has an unknown horizontal and vertical part that drift slowly, so dip and strength need not be known. Readings
-/// of the field that differ from it in these two parts are disturbed, and count less.
+/// The specific force is integrated to a velocity that stays near 0 on average: v ~ (0, sigma^2) with a short memory.
+/// So gravity is separated from motion by an assumption on the motion instead of a threshold on accelerations. The
+/// field of the earth has an unknown horizontal and vertical part that drift slowly, so dip and strength need not be
+/// known. Readings of the field that differ from it in these two parts are disturbed, and count less.
 #pragma once
 
 #include <cmath>
@@ -138,7 +138,7 @@ class AttitudeFilter {
     return is_started_ ? predict(gyro, force, dt) : start(force);
   }
 
-  /// Ends the checks of units and axes, if the body begins in a motion that looks like another unit.
+  /// Ends the checks of units and axes. Call it if the body begins with a motion that looks like another unit.
   void trustUnits() {
     units_.stop();
     field_.stop();

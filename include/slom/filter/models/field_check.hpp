@@ -1,14 +1,14 @@
-/// FieldCheck: notices by the turns of the magnetic field in the body that rates are in degrees per second, or that the axes
-/// of the magnetometer are not those of the gyroscope.
+/// FieldCheck: detects, by the turns of the magnetic field in the body, rates in degrees per second, and axes of the
+/// magnetometer that differ from the axes of the gyroscope.
 ///
-/// A part of a run ends when the field has turned by 0.15 rad, or after 10 s. The gyroscope says how the field turns in the
-/// body meanwhile: as given, with rates in degrees per second, or with one axis of the magnetometer reversed or two swapped.
-/// One of these 7 is the verdict after 15 parts that it explains and the readings as given do not, if these are more than
-/// half of all parts, and the contrary happened less than an eighth as often. Fields that do not turn with the body, such
-/// as that of a magnet on it, are explained by none. After 8 contrary votes against each of the 7, or 1000 parts, nothing
-/// is checked any more.
-/// Turns about one axis cannot show that this axis is reversed, which does no harm then: the dip has the other sign. A field
-/// with all axes reversed turns as the right one.
+/// A part of a run ends when the field has turned by 0.15 rad, or after 10 s. The turn of the field is compared with
+/// the angular velocities as given, and with 7 faults: rates in degrees per second, one axis of the magnetometer
+/// reversed (3), or two axes swapped (3). A fault is the verdict after 15 parts that it explains and the readings as
+/// given do not, if these are more than half of all parts, and the contrary happened less than an eighth as often. No
+/// fault explains a field that does not turn with the body, such as the field of a magnet on the body. The check ends
+/// after 8 contrary votes against each fault, or after 1000 parts. Turns about a single axis cannot show that this
+/// axis is reversed; this does no harm then, because only the dip has the other sign. A field with all axes reversed
+/// turns like the right one.
 #pragma once
 
 #include "mtk/types/so3.hpp"

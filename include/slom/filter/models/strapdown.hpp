@@ -50,7 +50,8 @@ struct Strapdown {
 };
 
 /// Returns the covariance that an IMU's white noise and bias walks add in dt [s]. Within the step, the noise of the
-/// accelerometer is integrated to the position, too. It is right for any part of a duration, as a slom::FilterHistory needs.
+/// accelerometer is also integrated to the position. So the covariance is right for any part of a duration, as
+/// slom::FilterHistory needs.
 template <class S>
 auto strapdownNoise(const ImuNoise& imu, const S& dt) {
   return grownCovariance(dt, [&](const S& h) {
@@ -69,7 +70,7 @@ auto strapdownNoise(const ImuNoise& imu, const S& dt) {
   });
 }
 
-/// Residual of a position in the world [m]: that of a point at `lever` [m] in the body, minus the reading.
+/// Residual of a position in the world [m]: the position of a point at `lever` [m] in the body, minus the reading.
 struct GnssPosition {
   template <class State, class T>
   auto operator()(const State& x, const mtk::vect<3, T>& position, const mtk::vect<3, T>& lever) const {

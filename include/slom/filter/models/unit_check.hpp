@@ -1,4 +1,4 @@
-/// UnitCheck: notices readings of an IMU in g or degrees per second where m/s^2 and rad/s are expected.
+/// UnitCheck: detects readings of an IMU in g or degrees per second instead of m/s^2 and rad/s.
 ///
 ///   force  in the first 100 readings, at least 1 s: more than half have a length of 0.7 to 1.3, as in g, instead of 9.81, and
 ///          so has their mean in a frame that does not turn. Free fall, vibration and strong motion have not; a fall that is
@@ -6,9 +6,9 @@
 ///   rate   parts of 0.5 s: angular velocities in degrees explain how the specific force turns in the body, and those in
 ///          radians do not, at least 8 times and 4 times as often as the contrary. Or 10 readings in a row are above 80
 ///          rad/s, beyond the range of MEMS gyroscopes.
-/// Turns about the vertical say nothing here (field_check.hpp uses a magnetometer), and rest says nothing on rates.
-/// Free fall, strong accelerations, wrong axes and an accelerometer that hangs explain neither, so they give no verdict.
-/// After 8 parts that radians explain, rates are not checked any more.
+/// Turns about the vertical give no evidence (field_check.hpp uses a magnetometer), and rest gives no evidence on
+/// rates. With free fall, strong accelerations, wrong axes or an accelerometer whose readings stand still, neither
+/// unit explains the readings, so there is no verdict. The check of rates ends when radians explain 8 parts.
 #pragma once
 
 #include <cmath>

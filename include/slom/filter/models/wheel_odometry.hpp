@@ -55,7 +55,7 @@ auto wheelNoise(const WheelNoise<S>& noise, const mtk::vect<2, S>& velocity, con
   });
 }
 
-/// Residual of a position in the world [m]: that of a point at `lever` [m] in the robot, minus the reading.
+/// Residual of a position in the world [m]: the position of a point at `lever` [m] in the robot, minus the reading.
 struct PlanePosition {
   template <class State, class T>
   auto operator()(const State& x, const mtk::vect<2, T>& position, const mtk::vect<2, T>& lever) const {

@@ -1,0 +1,10 @@
+#include "slom/base/collective.hpp"
+
+namespace slom {
+
+const Collective& singleProcess() {
+  static const Collective single;
+  return single;
+}
+
+}  // namespace slom
