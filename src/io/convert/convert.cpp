@@ -3,6 +3,7 @@
 #include "io/bal/convert.hpp"
 #include "io/fault.hpp"
 #include "io/g2o/convert.hpp"
+#include "slom/io/numbered_lines.hpp"
 
 namespace slom::io {
 
