@@ -53,6 +53,18 @@ class ImuStreamCommand : public ::testing::Test {
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_FALSE(std::filesystem::exists(folder / "result.json"));
   }
+  /// Expects exit code 2, this sentence, and the result of the cameras.
+  void expectCamerasAlone(const std::vector<std::string>& more, const std::string& sentence) const {
+    const CommandResult result = run(more);
+    EXPECT_EQ(result.errors, "slom: " + sentence + "\n");
+    EXPECT_EQ(result.exit_code, 2);
+    const json got = json::parse(content("result.json"));
+    EXPECT_EQ(replaced(got.at("streams").at("refused"), folder.path().string() + "/", ""), sentence);
+    EXPECT_EQ(got.at("streams").at("verdict").at("level"), "failed");
+    EXPECT_EQ(got.at("imus"), json::object());
+    EXPECT_EQ(got.at("quality").at("verdict").at("level"), "trustworthy");
+    EXPECT_GT(got.at("cameras").at("cam0").at("fx").at("value"), 100);
+  }
   /// Expects that the stream with one line (from 1) replaced is refused.
   void expectRowRefused(int line, const std::string& text, const std::string& sentence) const {
     std::string table = content("imu0.csv");
@@ -291,7 +303,7 @@ TEST_F(ImuStreamCommand, StreamsOfOtherUnitsAreNamedByTheirFile) {
                          s.gyro[0], s.gyro[1], s.gyro[2], s.force[0] / 9.80665, s.force[1] / 9.80665,
                          s.force[2] / 9.80665);
   writeFile(folder / "g.csv", table);
-  expectRefused(
+  expectCamerasAlone(
       {"--quiet", "--imu-stream", "imu0=" + file("g.csv")},
       "g.csv: the specific forces have a magnitude of 1.01 in the median, as if they were in units of gravity; "
       "multiply them by 9.80665");
@@ -444,7 +456,7 @@ TEST_F(ImuStreamCommand, ImagesNeedTimes) {
   }
   std::vector<std::string> words = imu();
   words.push_back("--quiet");
-  expectRefused(
+  expectCamerasAlone(
       words,
       "cam0_corners.csv: image 0 has no time; give corner files with a column t_ns, or photographs whose names "
       "are times in ns");
@@ -454,9 +466,13 @@ TEST_F(ImuStreamCommand, ARigAtRestIsRefused) {
   options.motion = SimulatedMotion::rest;
   writeStereoImuStream(simulateStereoImuStream(options), options, folder.path());
   std::vector<std::string> words = imu();
-  words.push_back("--quiet");
+  words.insert(words.end(), {"--output", file("camchain.yaml"), "--report", file("report.html")});
   const CommandResult result = run(words);
   EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.output.find("\nverdict on the cameras: "), std::string::npos) << result.output;
+  EXPECT_EQ(result.output.find("verdict on the IMU"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("not written, because the readings of the IMU were refused: "), std::string::npos);
+  EXPECT_NE(content("report.html").find("There are no values of the IMU."), std::string::npos);
   EXPECT_TRUE(result.errors.starts_with(
                   "slom: imu0.csv: the angular velocities and the turns of the cameras correlate by ") &&
               result.errors.ends_with(

@@ -120,7 +120,8 @@ void writeFiles(const Dataset& data, const Result& result, const std::optional<F
       said += fmt::format("not written, because {}: {}\n",
                           !result.success() ? "the fit failed"
                           : has_imu         ? unsound.because
-                                            : "the fit of the IMU failed",
+                          : fitted->refusal.empty() ? "the fit of the IMU failed"
+                                                    : "the readings of the IMU were refused",
                           oneLine(file));
   }
   if (!settings.report_file.empty()) {
@@ -213,10 +214,33 @@ std::string failureOf(const Result& result) {
   return "";
 }
 
-std::string failureOf(const StreamResult& streams) {
-  if (streams.success()) return "";
+std::string failureOf(const FittedStreams& fitted) {
+  const StreamResult& streams = fitted.result;
+  if (!fitted.refusal.empty() || streams.success()) return fitted.refusal;
   return "the calibration of the IMU failed: " +
          (streams.undetermined.empty() ? streams.message : streams.undetermined);
+}
+
+/// Returns the fit of the IMUs, or why their readings cannot be used: the result of the cameras stands without them.
+template <class Fit>
+FittedStreams fittedOrRefused(const CommandSettings& settings, const Fit& fit) {
+  try {
+    return fit();
+  } catch (const DataError& error) {
+    FittedStreams refused;
+    refused.refusal = inWordsOfOptions(settings, error);
+    refused.verdict.sentence = "There are no values of the IMU. " + refused.refusal + ".";
+    return refused;
+  }
+}
+
+/// Prints what was found about the cameras, and about the IMUs if there are any.
+void sayResults(const Result& result, const std::optional<FittedStreams>& streams) {
+  say(reportText(result, streams ? "verdict on the cameras" : "verdict"));
+  if (!streams || !streams->refusal.empty()) return;
+  say(streamLines(streams->result, result.cameras.front().name));
+  if (streams->agreement) say(agreementLines(*streams->agreement));
+  if (streams->success()) say(verdictText("verdict on the IMU", streams->verdict));
 }
 
 /// Refuses words that belong to no option. If one of them is a file, it most often belongs to a camera.
@@ -258,25 +282,23 @@ void run(const RawOptions& raw) {
   if (result.comparison) result.comparison = inWordsOfOptions(settings, *result.comparison);
   std::optional<FittedStreams> streams;
   if (!imus.empty() && result.success())
-    streams = inWordsOfOptions(settings, [&] {
+    streams = fittedOrRefused(settings, [&] {
       return moving ? comparedStreams(std::move(*moving), data, settings, result, imus)
                     : fitStreams(data, settings, result, imus);
     });
   assessResult(data, settings, result);
-  if (streams) streams->verdict = verdictOf(streams->result, result, streams->agreement);
-  if (!settings.quiet) say(reportText(result, streams ? "verdict on the cameras" : "verdict"));
-  if (streams && !settings.quiet) say(streamLines(streams->result, result.cameras.front().name));
-  if (streams && streams->agreement && !settings.quiet) say(agreementLines(*streams->agreement));
-  if (streams && streams->success() && !settings.quiet)
-    say(verdictText("verdict on the IMU", streams->verdict));
+  if (streams && streams->refusal.empty())
+    streams->verdict = verdictOf(streams->result, result, streams->agreement);
+  if (!settings.quiet) sayResults(result, streams);
   writeFiles(data, result, streams, settings, numbers);
   std::string failure = failureOf(result);
-  if (failure.empty() && streams) failure = failureOf(streams->result);
+  const bool is_refusal = failure.empty() && streams && !streams->refusal.empty();
+  if (failure.empty() && streams) failure = failureOf(*streams);
   if (failure.empty()) return;
   if (!imus.empty() && !result.strays.empty() && !settings.stream.camera_offsets && result.cameras.size() > 1)
     failure += "; if the cameras are not synchronised, add --camera-offsets";
   sayError(fmt::format("slom: {}\n", oneLine(failure)));
-  throw CLI::RuntimeError(exit_not_converged);
+  throw CLI::RuntimeError(is_refusal ? exit_user_error : exit_not_converged);
 }
 
 }  // namespace

@@ -121,7 +121,7 @@ function imuInMotion(imu) {
 }
 
 function motion() {
-  if (!data.streams) return;
+  if (!data.streams || !data.streams.imus.length) return;
   if (data.streams.timings.length)
     section("timings", "Clocks and shutters", table(`t_camera = t_${data.cameras[0].name} + offset; line delay: from one row to the next`,
       ["", "value", "stated", "clustered", "unit"], data.streams.timings));

@@ -396,12 +396,18 @@ Json agreementJson(const StreamAgreement& agreement) {
 /// Adds IMUs in motion, gravity, and how their fit ended.
 void addStreams(const FittedStreams& fitted, const std::string& reference, Json& json) {
   const StreamResult& streams = fitted.result;
+  if (!fitted.refusal.empty()) {
+    json["imus"] = Json::object();
+    json["streams"] = {{"refused", fitted.refusal}, {"verdict", verdictJson(fitted.verdict)}};
+    return;
+  }
   Json imus = Json::object();
   for (const ImuStreamResult& imu : streams.imus) imus[imu.name] = imuStreamJson(imu, reference);
   json["imus"] = std::move(imus);
   json["gravity"] = list(streams.gravity);
   json["gravity_direction_std"] = streams.gravity_direction_std;
-  json["streams"] = {{"path", toString(streams.path)},
+  json["streams"] = {{"refused", Json()},
+                     {"path", toString(streams.path)},
                      {"converged", streams.converged},
                      {"stop_reason", streams.stop_reason},
                      {"message", streams.message},
