@@ -187,6 +187,43 @@ TEST(MovingCameras, OneCameraMayHaveARollingShutter) {
   expectErrorsAsStated(rig, rig.fit().result);
 }
 
+std::string joined(const std::vector<std::string>& sentences) {
+  std::string text;
+  for (const std::string& sentence : sentences) text += sentence + "\n";
+  return text;
+}
+
+/// A jump of a bias and a lag of the forces are found and removed, with both kinds of shutters, and only where they are.
+TEST(MovingCameras, WrongReadingsAreFoundAndRemoved) {
+  const unsigned seed = slom::testing::freshSeed();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  for (const double line_delay : {0., 3e-5}) {
+    SCOPED_TRACE(line_delay);
+    app::StereoImuStreamOptions options = quickStream(seed, 12);
+    options.camera_offset = 0.003;
+    options.line_delay = line_delay;
+    MovingRig rig(options);
+    const StreamResult good = rig.fit().result;
+    expectErrorsAsStated(rig, good);
+    EXPECT_EQ(joined(good.doubts), "");
+    EXPECT_TRUE(good.imus[0].gross.empty() && good.imus[0].jumps.empty() && !good.imus[0].force_lag)
+        << joined(good.notes);
+
+    const std::vector<ImuSample> samples = rig.imu.samples;
+    for (std::size_t i = samples.size() / 2; i < samples.size(); ++i)
+      rig.imu.samples[i].gyro = vec3(samples[i].gyro + vec3(0.03, -0.04, 0.));
+    const StreamResult jumped = rig.fit().result;
+    EXPECT_TRUE(jumped.success() && jumped.imus[0].jumps.size() == 1) << joined(jumped.notes);
+
+    rig.imu.samples = samples;
+    for (std::size_t i = 1; i < samples.size(); ++i) rig.imu.samples[i].force = samples[i - 1].force;
+    const StreamResult late = rig.fit().result;
+    ASSERT_TRUE(late.imus[0].force_lag) << joined(late.notes);
+    EXPECT_NEAR(late.imus[0].force_lag->value, 5e-3, 0.8e-3);
+    expectErrorsAsStated(rig, late);
+  }
+}
+
 /// Expects a DataError with this text.
 void expectRefused(const std::function<void()>& call, const std::string& text) {
   try {

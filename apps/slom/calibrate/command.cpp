@@ -118,8 +118,8 @@ void writeFiles(const Dataset& data, const Result& result, const std::optional<F
   } else {
     for (const std::string& file : outputFiles(settings))
       said += fmt::format("not written, because {}: {}\n",
-                          !result.success() ? "the fit failed"
-                          : has_imu         ? unsound.because
+                          !result.success()         ? "the fit failed"
+                          : has_imu                 ? unsound.because
                           : fitted->refusal.empty() ? "the fit of the IMU failed"
                                                     : "the readings of the IMU were refused",
                           oneLine(file));

@@ -183,7 +183,8 @@ struct ImuStreamResult {
   vec3 gyro_bias_std{unknown, unknown, unknown}, gyro_bias_clustered{unknown, unknown, unknown};
   vec3 force_bias_std{unknown, unknown, unknown}, force_bias_clustered{unknown, unknown, unknown};
   std::vector<BiasJump> jumps;  ///< in the order of time; biases are those before the first one
-  /// Lag of the accelerometer behind the gyroscope [s]; nothing: no lag was found. The fit assumes one clock for both.
+  /// Lag of the accelerometer behind the gyroscope [s]; nothing: no lag was found. The fit removes the lag, so `time_offset`
+  /// is the gyroscope's.
   /// If residuals exceed the noise, the standard deviation is larger than stated by the same factor.
   std::optional<StreamNumber> force_lag{};
 };

@@ -222,19 +222,24 @@ StreamResult calibrateStreams(const Dataset& data, const Settings& given, const 
   };
   Stage stage = start();
   if (given.robust != Robust::none &&
-      usable.remove(findGrossReadings(*on_board, stage.settings, stage.cameras, images, stage.up, stage.imus,
-                                      stream.gravity)))
-    stage = start();
-  if (given.robust != Robust::none &&
       usable.remove(findBiasJumps(*on_board, stage.settings, stage.cameras, images, stage.up, stage.imus,
                                   stream.gravity)))
+    stage = start();
+  if (given.robust != Robust::none &&
+      usable.remove(findGrossReadings(*on_board, stage.settings, stage.cameras, images, stage.up, stage.imus,
+                                      stream.gravity)))
     stage = start();
   CamerasAt fitted;
   StreamResult result = fit(*on_board, images, stream, stage, fitted);
   const Options options = optionsOfStreams(stage.settings);
-  if (!doubtForceLag(*on_board, stage.settings, fitted, images, stage.imus, stream.gravity, options,
-                     result) &&
-      stream.axes == ImuAxes::calibrated)
+  const ForceLags lags =
+      findForceLags(*on_board, stage.settings, fitted, images, stage.imus, stream.gravity, options, result);
+  if (usable.remove(lags)) {
+    stage = start();
+    result = fit(*on_board, images, stream, stage, fitted);
+    reportLags(lags, result);
+  }
+  if (stream.axes == ImuAxes::calibrated)
     doubtHeldAxes(*on_board, stage.settings, fitted, images, stage.imus, stream.gravity, options, result);
   completeResult(cameras, fitted, imus, epoch_ns, true, result);
   noteOtherTimes(*on_board, result);

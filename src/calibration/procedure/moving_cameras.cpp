@@ -248,6 +248,31 @@ Dataset withGivenNumbers(Dataset data, const Apart& apart) {
   return data;
 }
 
+/// What the readings are checked by: the first camera, as if it read all rows at once.
+struct Checks {
+  Dataset data;
+  CamerasAt camera;
+  std::vector<RigAtImage> images;
+};
+
+/// Returns them after a fit. `simultaneous`: the data at the times of the images. `fitted`: values of the fit.
+Checks checksOf(Dataset simultaneous, const CamerasAt& fitted, const std::vector<RigAtImage>& images) {
+  Checks checks{std::move(simultaneous), {}, {}};
+  checks.data.cameras.resize(1);
+  checks.camera.lenses = {fitted.lenses.front()};
+  checks.camera.rig.left2camera = {SE3()};
+  std::map<int, double> times;
+  for (const RigAtImage& image : images) times.emplace(image.image, image.time);
+  std::vector<View>& views = checks.data.cameras.front().views;
+  std::erase_if(views, [&](const View& view) { return !times.contains(view.image); });
+  for (const View& view : views) {
+    const SE3& pose = fitted.rig.left2world.at(view.image);
+    checks.images.push_back({view.image, times.at(view.image), pose});
+    checks.camera.rig.left2world[view.image] = pose;
+  }
+  return checks;
+}
+
 }  // namespace
 
 MovingCameras calibrateMovingCameras(const Dataset& data, const Settings& given,
@@ -268,38 +293,49 @@ MovingCameras calibrateMovingCameras(const Dataset& data, const Settings& given,
     started = startImus(usable.streams(), images, epoch_ns, stream);
     for (std::size_t i = 0; i < started.size(); ++i) started[i].jumps = usable.jumps()[i];
   };
-  // Poses of images with a rolling shutter are off by more than good readings are.
-  if (!given.rolling_shutter && given.robust != Robust::none) {
-    const Dataset& alone = all.front().data;
-    const CamerasAt camera = valuesOf(all.front().result);
-    if (usable.remove(findGrossReadings(alone, settings, camera, images, upright(), started, stream.gravity)))
-      restart();
-    if (usable.remove(findBiasJumps(alone, settings, camera, images, upright(), started, stream.gravity)))
-      restart();
-  }
-  CamerasAt at = valuesOf(cameras);
-  at.rig.left2camera.clear();
-  const TimingStart timing =
-      startTiming(all, apart, first, started.front().start, given, stream, at.rig.left2camera);
-  SplineRecording recording{*on_board, settings, images, stream.gravity, stream.knot_spacing, {}};
-  recording.clocks = timing.clocks;
-  SplineValues start{settings.sigma_px, at, started, upright()};
-  start.timings = timing.timings;
+  const Options options = optionsOfStreams(settings);
+  Checks checks{all.front().data, valuesOf(all.front().result), images};
+  const auto removeWrongReadings = [&] {
+    if (given.robust == Robust::none) return false;
+    const bool has_jumps = usable.remove(findBiasJumps(checks.data, settings, checks.camera, checks.images,
+                                                       upright(), started, stream.gravity));
+    if (has_jumps) restart();
+    const bool has_gross = usable.remove(findGrossReadings(
+        checks.data, settings, checks.camera, checks.images, upright(), started, stream.gravity));
+    if (has_gross) restart();
+    return has_gross || has_jumps;
+  };
   MovingCameras moving;
   CamerasAt fitted;
-  moving.result =
-      fitBySplines(recording, start, stream, optionsOfStreams(settings), [&](const SplineProblem& problem) {
-        fitted = problem.values().cameras;
-        moving.simultaneous = withGivenNumbers(problem.simultaneous(apart.data), apart);
-      });
-  if (!given.rolling_shutter) {
-    const Dataset& alone = all.front().data;
-    const CamerasAt camera = valuesOf(all.front().result);
-    const Options options = optionsOfStreams(settings);
-    if (!doubtForceLag(alone, settings, camera, images, started, stream.gravity, options, moving.result) &&
-        stream.axes == ImuAxes::calibrated)
-      doubtHeldAxes(alone, settings, camera, images, started, stream.gravity, options, moving.result);
+  const auto fit = [&] {
+    CamerasAt at = valuesOf(cameras);
+    at.rig.left2camera.clear();
+    const TimingStart timing =
+        startTiming(all, apart, first, started.front().start, given, stream, at.rig.left2camera);
+    SplineRecording recording{*on_board, settings, images, stream.gravity, stream.knot_spacing, {}};
+    recording.clocks = timing.clocks;
+    SplineValues start{settings.sigma_px, at, started, upright()};
+    start.timings = timing.timings;
+    moving.result = fitBySplines(recording, start, stream, options, [&](const SplineProblem& problem) {
+      fitted = problem.values().cameras;
+      moving.simultaneous = withGivenNumbers(problem.simultaneous(apart.data), apart);
+      if (given.rolling_shutter) checks = checksOf(problem.simultaneous(*on_board), fitted, images);
+    });
+  };
+  // Poses of images with a rolling shutter are off by more than good readings are, before the first fit.
+  if (!given.rolling_shutter) removeWrongReadings();
+  fit();
+  if (given.rolling_shutter && moving.result.success() && removeWrongReadings()) fit();
+  const ForceLags lags = findForceLags(checks.data, settings, checks.camera, checks.images, started,
+                                       stream.gravity, options, moving.result);
+  if (usable.remove(lags)) {
+    restart();
+    fit();
+    reportLags(lags, moving.result);
   }
+  if (stream.axes == ImuAxes::calibrated)
+    doubtHeldAxes(checks.data, settings, checks.camera, checks.images, started, stream.gravity, options,
+                  moving.result);
   completeResult(cameras, fitted, imus, epoch_ns, !given.rolling_shutter, moving.result);
   usable.report(moving.result);
   for (std::size_t c = 0; c < all.size(); ++c) {

@@ -11,6 +11,7 @@
 
 #include "calibration/median.hpp"
 #include "calibration/streams/check.hpp"
+#include "calibration/streams/gross_readings.hpp"
 #include "calibration/streams/joint_fit.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -91,17 +92,26 @@ bool stays(const BiasSeries& series, const BiasStep& step) {
   return (change - step.change).norm() < most_difference * step.change.norm();
 }
 
+/// Returns the median size of the other steps, whose windows a jump at k does not touch; infinite if there are none.
+double usualStepBeside(const BiasSeries& series, const std::vector<BiasStep>& steps, std::size_t k) {
+  const std::size_t touched = countOf(series, window) + 2 * blurred;
+  std::vector<double> sizes;
+  for (const BiasStep& step : steps) {
+    if (step.k + touched < k || step.k > k + touched) sizes.push_back(step.change.norm());
+  }
+  return sizes.empty() ? INFINITY : medianOf(std::move(sizes));
+}
+
 /// Returns the largest jump, and subtracts it from the values behind.
 std::optional<BiasJump> takeJump(BiasSeries& series, bool is_gyro, double density) {
   const std::vector<BiasStep> steps = stepsOf(series);
-  if (steps.empty()) return {};
-  const double usual = steps[steps.size() / 2].change.norm();
+  const auto found =
+      std::find_if(steps.begin(), steps.end(), [&](const BiasStep& step) { return stays(series, step); });
+  if (found == steps.end()) return {};
+  const double usual = usualStepBeside(series, steps, found->k);
   const double least =
       std::max((is_gyro ? least_turns : least_pushes) * usual, least_of_walk * density * std::sqrt(window));
-  const auto found = std::find_if(steps.begin(), steps.end(), [&](const BiasStep& step) {
-    return step.change.norm() < least || stays(series, step);
-  });
-  if (found == steps.end() || found->change.norm() < least) return {};
+  if (found->change.norm() < least) return {};
   for (std::size_t i = found->k; i < series.values.size(); ++i) series.values[i] -= found->change;
   return BiasJump{is_gyro, series.times[found->k], vec3(found->change), margin * series.interval};
 }
@@ -133,7 +143,8 @@ std::vector<std::vector<BiasJump>> findBiasJumps(const Dataset& data, const Sett
   }
   std::vector<std::vector<BiasJump>> all(imus.size());
   try {
-    StreamProblem problem(data, condensed(data, cameras), settings, cameras, images, up, loose, gravity);
+    StreamProblem problem(data, condensed(data, cameras), settings, cameras, images, up, loose, gravity,
+                          Cauchy(gross_scale));
     problem.optimize(options);
     loose = problem.started();
   } catch (const slom::Error&) {  // which the fit itself says

@@ -9,7 +9,7 @@
 namespace slom::calibration {
 
 /// Finds these jumps, for each IMU, in the order of time: fits all with walks that are nearly free, and looks for steps of
-/// the biases. Returns none if the fit fails.
+/// the biases. Gross readings may be there: they hardly count. Returns none if the fit fails.
 std::vector<std::vector<BiasJump>> findBiasJumps(const Dataset& data, const Settings& settings,
                                                  const CamerasAt& cameras,
                                                  const std::vector<RigAtImage>& images, const mtk::S2<>& up,

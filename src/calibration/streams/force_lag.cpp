@@ -23,21 +23,6 @@ namespace {
 /// Stated standard deviations of a lag that is no chance. Errors that images share make them too small.
 constexpr double significant_lag = 10;
 
-/// Returns the readings with the forces that were read `lag` later: those of the same motion if the accelerometer lags.
-ImuStream withForcesFrom(const ImuStream& imu, double lag) {
-  const std::vector<ImuSample>& given = imu.samples;
-  ImuStream shifted = imu;
-  std::size_t next = 1;
-  for (ImuSample& sample : shifted.samples) {
-    const double time = sample.time + lag;
-    while (next + 1 < given.size() && given[next].time < time) ++next;
-    const ImuSample &a = given[next - 1], &b = given[next];
-    const double along = std::clamp((time - a.time) / (b.time - a.time), 0.0, 1.0);
-    sample.force = vec3(a.force + along * (b.force - a.force));
-  }
-  return shifted;
-}
-
 double usualSpacing(const ImuStream& imu) {
   std::vector<double> spacings;
   for (std::size_t i = 1; i < imu.samples.size(); ++i)
@@ -53,59 +38,113 @@ std::optional<StreamNumber> minimumOf(double before, double at, double after, do
   return StreamNumber{(before - after) / (2 * step * curvature), std::sqrt(2 / curvature)};
 }
 
+/// The fits of one IMU's readings without a lag.
+class LagFits {
+ public:
+  LagFits(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
+          const std::vector<RigAtImage>& images, const std::vector<StartedImu>& imus, double gravity,
+          const Options& options, const StreamResult& result)
+      : data_(data),
+        corners_(condensed(data, cameras)),
+        settings_(settings),
+        cameras_(cameras),
+        images_(images),
+        up_(vec3(-result.gravity)),
+        imus_(startedAt(result, imus)),
+        gravity_(gravity),
+        options_(options) {
+    settings_.sigma_px = result.sigma_px;
+  }
+
+  /// The RSS of a fit; infinite if there is none. How large residuals are, relative to what the noise predicts, at least 1.
+  struct Fit {
+    double rss = INFINITY, ratio = 1;
+  };
+
+  Fit without(double lag, std::size_t imu) const {
+    std::vector<StartedImu> with_lag = imus_;
+    ImuStream shifted = *imus_[imu].stream;
+    removeLag(lag, shifted);
+    with_lag[imu].stream = &shifted;
+    StreamProblem problem(data_, corners_, settings_, cameras_, images_, up_, with_lag, gravity_);
+    const Summary summary = problem.optimize(options_);
+    if (!summary.converged) return {};
+    const ImuStreamResult one = problem.posesAndRatios()[imu];
+    return {summary.final_rss, std::max({1.0, one.gyro_ratio, one.force_ratio})};
+  }
+
+  /// Returns the lag if it is significant.
+  std::optional<StreamNumber> lagOf(std::size_t imu) const {
+    if (isSaturated(*imus_[imu].stream)) return {};
+    const double step = usualSpacing(*imus_[imu].stream), none = without(0, imu).rss;
+    auto lag = minimumOf(without(-step, imu).rss, none, without(step, imu).rss, step);
+    if (!lag) return {};
+    const Fit best = without(lag->value, imu);
+    lag->std *= best.ratio;
+    if (!(best.rss < none) || std::abs(lag->value) < significant_lag * lag->std) return {};
+    return lag;
+  }
+
+ private:
+  const Dataset& data_;
+  CondensedCorners corners_;
+  Settings settings_;
+  const CamerasAt& cameras_;
+  const std::vector<RigAtImage>& images_;
+  mtk::S2<> up_;
+  std::vector<StartedImu> imus_;
+  double gravity_;
+  const Options& options_;
+};
+
 /// Returns the clause on a lag.
 std::string clauseOn(const StreamNumber& lag, const std::string& imu) {
   const char *late = "accelerometer", *early = "gyroscope";
   if (lag.value < 0) std::swap(late, early);
-  return fmt::format("the {} of {} seems to lag behind its {} by {} +- {} ms", late, imu, early,
+  return fmt::format("the {} of {} lags behind its {} by {} +- {} ms", late, imu, early,
                      twoDigits(1e3 * std::abs(lag.value)), twoDigits(1e3 * lag.std));
 }
 
 }  // namespace
 
-bool doubtForceLag(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
-                   const std::vector<RigAtImage>& images, const std::vector<StartedImu>& imus, double gravity,
-                   const Options& options, StreamResult& result) {
-  if (!result.success()) return false;
-  bool is_found = false;
-  Settings at = settings;
-  at.sigma_px = result.sigma_px;
-  const CondensedCorners corners = condensed(data, cameras);
-  const std::vector<StartedImu> started = startedAt(result, imus);
+ForceLags findForceLags(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
+                        const std::vector<RigAtImage>& images, const std::vector<StartedImu>& imus,
+                        double gravity, const Options& options, const StreamResult& result) {
+  ForceLags lags(imus.size());
+  if (!result.success()) return lags;
+  const LagFits fits(data, settings, cameras, images, imus, gravity, options, result);
   for (std::size_t i = 0; i < imus.size(); ++i) {
-    if (isSaturated(*imus[i].stream)) continue;
-    ImuStream shifted;
-    double ratio = 1;  // residuals of the last fit, relative to what the noise predicts
-    /// Returns the RSS of a fit without this lag; infinite if there is none.
-    const auto fit = [&](double lag) {
-      std::vector<StartedImu> with_lag = started;
-      shifted = withForcesFrom(*imus[i].stream, lag);
-      with_lag[i].stream = &shifted;
-      StreamProblem problem(data, corners, at, cameras, images, mtk::S2<>(vec3(-result.gravity)), with_lag,
-                            gravity);
-      const Summary summary = problem.optimize(options);
-      const ImuStreamResult without = problem.posesAndRatios()[i];
-      ratio = std::max({1.0, without.gyro_ratio, without.force_ratio});
-      return summary.converged ? summary.final_rss : INFINITY;
-    };
     try {
-      const double step = usualSpacing(*imus[i].stream), none = fit(0);
-      auto lag = minimumOf(fit(-step), none, fit(step), step);
-      if (!lag || !(fit(lag->value) < none)) continue;
-      lag->std *= ratio;
-      if (std::abs(lag->value) < significant_lag * lag->std) continue;
-      result.imus[i].force_lag = lag;
-      addDoubt(
-          clauseOn(*lag, result.imus[i].name),
-          "shift the columns of one sensor in time, so that a row has readings of both at one time. Filters may delay them "
-          "by different times.",
-          result);
-      is_found = true;
+      lags[i] = fits.lagOf(i);
     } catch (const slom::Error&) {
       continue;  // the result as it is stands
     }
   }
-  return is_found;
+  return lags;
+}
+
+void removeLag(double lag, ImuStream& imu) {
+  const std::vector<ImuSample> given = imu.samples;
+  std::size_t next = 1;
+  for (ImuSample& sample : imu.samples) {
+    const double time = sample.time + lag;
+    while (next + 1 < given.size() && given[next].time < time) ++next;
+    const ImuSample &a = given[next - 1], &b = given[next];
+    const double along = std::clamp((time - a.time) / (b.time - a.time), 0.0, 1.0);
+    sample.force = vec3(a.force + along * (b.force - a.force));
+  }
+}
+
+void reportLags(const ForceLags& lags, StreamResult& result) {
+  for (std::size_t i = 0; i < lags.size(); ++i) {
+    if (!lags[i]) continue;
+    result.imus[i].force_lag = lags[i];
+    addDoubt(
+        clauseOn(*lags[i], result.imus[i].name),
+        "the fit reads the forces at the times of the angular velocities, so the time offset is the gyroscope's. For "
+        "other programs, shift the columns of one sensor in time. Filters may delay them by different times.",
+        result);
+  }
 }
 
 }  // namespace slom::calibration

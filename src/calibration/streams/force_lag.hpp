@@ -1,19 +1,27 @@
 // An accelerometer that lags its gyroscope, which a fit takes for one clock.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "calibration/streams/problem.hpp"
 
 namespace slom::calibration {
 
-/// Doubts that both sensors of an IMU read at the same times. `result` is a fit, by either way, that took them so. Three
-/// fits by preintegration, with the forces one reading earlier, as they are, and one reading later, give the lag and its
-/// standard deviation. One more fit without the lag shows how large the residuals then are. There is a doubt if the lag is
-/// significant. Returns whether there is one: errors of axes then explain a part of the same residuals.
-/// Arguments as those of doubtHeldAxes().
-bool doubtForceLag(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
-                   const std::vector<RigAtImage>& images, const std::vector<StartedImu>& imus, double gravity,
-                   const Options& options, StreamResult& result);
+/// Lags of accelerometers behind their gyroscopes, by IMU; nothing: none was found.
+using ForceLags = std::vector<std::optional<StreamNumber>>;
+
+/// Finds significant lags. `result` is a fit, by either way, with one clock for both sensors. Three fits by preintegration,
+/// with the forces one reading earlier, as they are, and one reading later, give the lag and its standard deviation. One
+/// more fit without the lag shows how large the residuals then are. Arguments as those of doubtHeldAxes().
+ForceLags findForceLags(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
+                        const std::vector<RigAtImage>& images, const std::vector<StartedImu>& imus,
+                        double gravity, const Options& options, const StreamResult& result);
+
+/// Reads the forces `lag` later: they are then those at the times of the angular velocities.
+void removeLag(double lag, ImuStream& imu);
+
+/// Adds the lags to the result, and a doubt for each.
+void reportLags(const ForceLags& lags, StreamResult& result);
 
 }  // namespace slom::calibration

@@ -32,14 +32,13 @@ std::vector<std::vector<GrossReadings>> findGrossReadings(const Dataset& data, c
                                                           const mtk::S2<>& up,
                                                           const std::vector<StartedImu>& imus,
                                                           double gravity) {
-  constexpr double scale = 30;  // standard deviations: real noise may be ten times that of a usual sensor
   constexpr int few_iterations = 20;
   Options options = optionsOfStreams(settings);
   options.deviation_tolerance = 1;
   options.max_iterations = std::min(options.max_iterations, few_iterations);
   try {
     StreamProblem problem(data, condensed(data, cameras), settings, cameras, images, up, imus, gravity,
-                          Cauchy(scale));
+                          Cauchy(gross_scale));
     problem.optimize(options);
     return problem.grossReadings();
   } catch (const slom::Error&) {  // which the fit without the loss says

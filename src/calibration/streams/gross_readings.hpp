@@ -8,6 +8,10 @@
 
 namespace slom::calibration {
 
+/// Scale of Cauchy's loss for readings that may be wrong, in standard deviations. Real noise may be ten times that of a usual
+/// sensor.
+inline constexpr double gross_scale = 30;
+
 /// Finds these readings, for each IMU: fits all, with Cauchy's loss for the readings between two images, so that a few of
 /// them hardly count. Returns none if the fit fails.
 std::vector<std::vector<GrossReadings>> findGrossReadings(const Dataset& data, const Settings& settings,

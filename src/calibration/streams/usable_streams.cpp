@@ -42,6 +42,13 @@ bool UsableStreams::remove(std::vector<std::vector<BiasJump>> jumps) {
   return true;
 }
 
+bool UsableStreams::remove(const ForceLags& lags) {
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    if (lags[i]) removeLag(lags[i]->value, used_[i]);
+  }
+  return std::any_of(lags.begin(), lags.end(), [](const auto& lag) { return lag.has_value(); });
+}
+
 void UsableStreams::report(StreamResult& result) const {
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < given_.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "calibration/streams/bias_jumps.hpp"
+#include "calibration/streams/force_lag.hpp"
 #include "calibration/streams/gross_readings.hpp"
 #include "calibration/streams/spikes.hpp"
 #include "slom/calibration/options.hpp"
@@ -24,7 +25,9 @@ class UsableStreams {
   bool remove(std::vector<std::vector<GrossReadings>> gross);
   /// Removes jumps of biases from the readings, by IMU. Returns whether there are any. Does nothing with Robust::none.
   bool remove(std::vector<std::vector<BiasJump>> jumps);
-  /// Returns them, by IMU.
+  /// Removes lags of accelerometers from the readings, by IMU. Returns whether there are any.
+  bool remove(const ForceLags& lags);
+  /// Returns the jumps, by IMU.
   const std::vector<std::vector<BiasJump>>& jumps() const { return jumps_; }
   /// Adds to the result what was left out, and says so in front of other notes.
   void report(StreamResult& result) const;
