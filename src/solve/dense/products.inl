@@ -39,6 +39,28 @@ void addProductOf(int rows, int l, const double* A, const double* B, double* H) 
   }
 }
 
+/// H += A^T B by dot products of columns, four columns of A at a time.
+void addDotProducts(int rows, int k, int l, const double* A, const double* B, double* H) {
+  const int whole = rows / kLanes * kLanes;
+  const auto addTo = [&](double& entry, double sum, const double* a, const double* b) {
+    for (int r = whole; r < rows; ++r) sum = plusProduct(sum, a[r], b[r]);
+    entry += sum;
+  };
+  for (int j = 0; j < l; ++j, B += rows, H += k) {
+    for (int i = 0; i < k; i += kLanes) {
+      const double* a[kLanes];
+      for (int c = 0; c < kLanes; ++c) a[c] = A + static_cast<std::ptrdiff_t>(smaller(i + c, k - 1)) * rows;
+      Vector sum[kLanes] = {all(0), all(0), all(0), all(0)};
+      for (int r = 0; r < whole; r += kLanes) {
+        const Vector b = load(B + r);
+        for (int c = 0; c < kLanes; ++c) sum[c] = plusProduct(sum[c], load(a[c] + r), b);
+      }
+      const Vector total = sums(sum[0], sum[1], sum[2], sum[3]);
+      for (int c = 0; c < smaller(kLanes, k - i); ++c) addTo(H[i + c], total[c], a[c], B);
+    }
+  }
+}
+
 void addProduct(int rows, int k, int l, const double* A, const double* B, double* H) {
   if (rows == 0) return;
   switch (k) {
@@ -46,16 +68,19 @@ void addProduct(int rows, int k, int l, const double* A, const double* B, double
     case 2: addProductOf<2>(rows, l, A, B, H); return;
     case 3: addProductOf<3>(rows, l, A, B, H); return;
     case 4: addProductOf<4>(rows, l, A, B, H); return;
+    case 5: addProductOf<5>(rows, l, A, B, H); return;
     case 6: addProductOf<6>(rows, l, A, B, H); return;
+    case 7: addProductOf<7>(rows, l, A, B, H); return;
+    case 8: addProductOf<8>(rows, l, A, B, H); return;
     case 9: addProductOf<9>(rows, l, A, B, H); return;
-    default: break;
-  }
-  for (int j = 0; j < l; ++j) {
-    for (int i = 0; i < k; ++i) {
-      double sum = 0;
-      for (int r = 0; r < rows; ++r) sum = plusProduct(sum, A[i * rows + r], B[j * rows + r]);
-      H[j * k + i] += sum;
-    }
+    case 10: addProductOf<10>(rows, l, A, B, H); return;
+    case 11: addProductOf<11>(rows, l, A, B, H); return;
+    case 12: addProductOf<12>(rows, l, A, B, H); return;
+    case 13: addProductOf<13>(rows, l, A, B, H); return;
+    case 14: addProductOf<14>(rows, l, A, B, H); return;
+    case 15: addProductOf<15>(rows, l, A, B, H); return;
+    case 16: addProductOf<16>(rows, l, A, B, H); return;
+    default: addDotProducts(rows, k, l, A, B, H); return;
   }
 }
 
