@@ -62,8 +62,9 @@ class ImuStreamCommand : public ::testing::Test {
     EXPECT_EQ(replaced(got.at("streams").at("refused"), folder.path().string() + "/", ""), sentence);
     EXPECT_EQ(got.at("streams").at("verdict").at("level"), "failed");
     EXPECT_EQ(got.at("imus"), json::object());
-    EXPECT_EQ(got.at("quality").at("verdict").at("level"), "trustworthy");
-    EXPECT_GT(got.at("cameras").at("cam0").at("fx").at("value"), 100);
+    EXPECT_NE(got.at("quality").at("verdict").at("level"), "failed");
+    EXPECT_EQ(got.at("converged"), true);
+    EXPECT_EQ(got.at("cameras").size(), 2u);
   }
   /// Expects that the stream with one line (from 1) replaced is refused.
   void expectRowRefused(int line, const std::string& text, const std::string& sentence) const {
@@ -466,7 +467,8 @@ TEST_F(ImuStreamCommand, ARigAtRestIsRefused) {
   options.motion = SimulatedMotion::rest;
   writeStereoImuStream(simulateStereoImuStream(options), options, folder.path());
   std::vector<std::string> words = imu();
-  words.insert(words.end(), {"--output", file("camchain.yaml"), "--report", file("report.html")});
+  words.insert(words.end(), {"--intrinsics", "opencv4", "--image-size", "752x480", "--output",
+                             file("camchain.yaml"), "--report", file("report.html")});
   const CommandResult result = run(words);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.output.find("\nverdict on the cameras: "), std::string::npos) << result.output;

@@ -232,8 +232,9 @@ StreamResult calibrateStreams(const Dataset& data, const Settings& given, const 
   CamerasAt fitted;
   StreamResult result = fit(*on_board, images, stream, stage, fitted);
   const Options options = optionsOfStreams(stage.settings);
-  const ForceLags lags =
-      findForceLags(*on_board, stage.settings, fitted, images, stage.imus, stream.gravity, options, result);
+  const Stage from = result.success() ? stage : start();
+  const ForceLags lags = findForceLags(*on_board, from.settings, result.success() ? fitted : from.cameras,
+                                       images, from.up, from.imus, stream.gravity, options, result);
   if (usable.remove(lags)) {
     stage = start();
     result = fit(*on_board, images, stream, stage, fitted);

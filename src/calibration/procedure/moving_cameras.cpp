@@ -294,17 +294,15 @@ MovingCameras calibrateMovingCameras(const Dataset& data, const Settings& given,
     for (std::size_t i = 0; i < started.size(); ++i) started[i].jumps = usable.jumps()[i];
   };
   const Options options = optionsOfStreams(settings);
-  Checks checks{all.front().data, valuesOf(all.front().result), images};
-  const auto removeWrongReadings = [&] {
-    if (given.robust == Robust::none) return false;
-    const bool has_jumps = usable.remove(findBiasJumps(checks.data, settings, checks.camera, checks.images,
-                                                       upright(), started, stream.gravity));
-    if (has_jumps) restart();
-    const bool has_gross = usable.remove(findGrossReadings(
-        checks.data, settings, checks.camera, checks.images, upright(), started, stream.gravity));
-    if (has_gross) restart();
-    return has_gross || has_jumps;
-  };
+  Checks checks{withoutReadout(all.front().data, all.front().result), valuesOf(all.front().result), images};
+  if (given.robust != Robust::none) {
+    if (usable.remove(findBiasJumps(checks.data, settings, checks.camera, checks.images, upright(), started,
+                                    stream.gravity)))
+      restart();
+    if (usable.remove(findGrossReadings(checks.data, settings, checks.camera, checks.images, upright(),
+                                        started, stream.gravity)))
+      restart();
+  }
   MovingCameras moving;
   CamerasAt fitted;
   const auto fit = [&] {
@@ -316,18 +314,17 @@ MovingCameras calibrateMovingCameras(const Dataset& data, const Settings& given,
     recording.clocks = timing.clocks;
     SplineValues start{settings.sigma_px, at, started, upright()};
     start.timings = timing.timings;
+    Checks moved;
     moving.result = fitBySplines(recording, start, stream, options, [&](const SplineProblem& problem) {
       fitted = problem.values().cameras;
       moving.simultaneous = withGivenNumbers(problem.simultaneous(apart.data), apart);
-      if (given.rolling_shutter) checks = checksOf(problem.simultaneous(*on_board), fitted, images);
+      moved = checksOf(problem.simultaneous(*on_board), fitted, images);
     });
+    if (given.rolling_shutter && moving.result.success()) checks = std::move(moved);
   };
-  // Poses of images with a rolling shutter are off by more than good readings are, before the first fit.
-  if (!given.rolling_shutter) removeWrongReadings();
   fit();
-  if (given.rolling_shutter && moving.result.success() && removeWrongReadings()) fit();
-  const ForceLags lags = findForceLags(checks.data, settings, checks.camera, checks.images, started,
-                                       stream.gravity, options, moving.result);
+  const ForceLags lags = findForceLags(checks.data, settings, checks.camera, checks.images, upright(),
+                                       started, stream.gravity, options, moving.result);
   if (usable.remove(lags)) {
     restart();
     fit();

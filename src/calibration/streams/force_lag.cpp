@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/limits.hpp"
 #include "calibration/median.hpp"
 #include "calibration/streams/check.hpp"
 #include "calibration/streams/doubt.hpp"
@@ -42,18 +43,18 @@ std::optional<StreamNumber> minimumOf(double before, double at, double after, do
 class LagFits {
  public:
   LagFits(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
-          const std::vector<RigAtImage>& images, const std::vector<StartedImu>& imus, double gravity,
-          const Options& options, const StreamResult& result)
+          const std::vector<RigAtImage>& images, const mtk::S2<>& up, const std::vector<StartedImu>& imus,
+          double gravity, const Options& options, const StreamResult& result)
       : data_(data),
         corners_(condensed(data, cameras)),
         settings_(settings),
         cameras_(cameras),
         images_(images),
-        up_(vec3(-result.gravity)),
-        imus_(startedAt(result, imus)),
+        up_(result.success() ? mtk::S2<>(vec3(-result.gravity)) : up),
+        imus_(result.success() ? startedAt(result, imus) : imus),
         gravity_(gravity),
         options_(options) {
-    settings_.sigma_px = result.sigma_px;
+    if (result.success()) settings_.sigma_px = result.sigma_px;
   }
 
   /// The RSS of a fit; infinite if there is none. How large residuals are, relative to what the noise predicts, at least 1.
@@ -108,11 +109,12 @@ std::string clauseOn(const StreamNumber& lag, const std::string& imu) {
 }  // namespace
 
 ForceLags findForceLags(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
-                        const std::vector<RigAtImage>& images, const std::vector<StartedImu>& imus,
-                        double gravity, const Options& options, const StreamResult& result) {
+                        const std::vector<RigAtImage>& images, const mtk::S2<>& up,
+                        const std::vector<StartedImu>& imus, double gravity, const Options& options,
+                        const StreamResult& result) {
   ForceLags lags(imus.size());
-  if (!result.success()) return lags;
-  const LagFits fits(data, settings, cameras, images, imus, gravity, options, result);
+  if (!reasonToEnd(settings.limits).empty()) return lags;
+  const LagFits fits(data, settings, cameras, images, up, imus, gravity, options, result);
   for (std::size_t i = 0; i < imus.size(); ++i) {
     try {
       lags[i] = fits.lagOf(i);
