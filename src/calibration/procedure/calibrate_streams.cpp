@@ -11,17 +11,15 @@
 #include "calibration/data/sorted.hpp"
 #include "calibration/fit/as_fitted.hpp"
 #include "calibration/fit/rig.hpp"
-#include "calibration/limits.hpp"
 #include "calibration/median.hpp"
-#include "calibration/streams/bias_jumps.hpp"
 #include "calibration/streams/board_scale.hpp"
 #include "calibration/streams/check.hpp"
 #include "calibration/streams/doubt.hpp"
-#include "calibration/streams/force_lag.hpp"
 #include "calibration/streams/forces.hpp"
 #include "calibration/streams/halves.hpp"
 #include "calibration/streams/held_axes.hpp"
 #include "calibration/streams/joint_fit.hpp"
+#include "calibration/streams/preparation.hpp"
 #include "calibration/streams/problem.hpp"
 #include "calibration/streams/splines/fit.hpp"
 #include "calibration/streams/usable_streams.hpp"
@@ -73,60 +71,10 @@ void noteOtherTimes(const Dataset& data, StreamResult& result) {
   }
 }
 
-/// Rounds of fits in which the noise of corners and readings is estimated in turn with the values, and the relative
-/// change of a standard deviation at which they end.
-constexpr int most_noise_rounds = 20;
-constexpr double least_change = 0.02;
-
 /// Rounds in which corners are linearised again at the values of the fit before, and the decrease of the RSS by a fit at
 /// which they end: values are then within 0.001 standard deviations of those of the corners themselves.
 constexpr int most_linearizations = 10;
 constexpr double least_decrease = 1e-6;
-
-double changeOf(const ImuNoise& before, const ImuNoise& after) {
-  return std::max(std::abs(std::log(before.gyro / after.gyro)),
-                  std::abs(std::log(before.force / after.force)));
-}
-
-/// What a fit begins with.
-struct Stage {
-  Settings settings;
-  CamerasAt cameras;
-  std::vector<StartedImu> imus;
-  mtk::S2<> up;
-};
-
-/// Estimates the noise of corners and readings in turn with the values, until it stays the same; the corners are linearised
-/// once. Corners are at least as noisy as the cameras' own fit found them. Returns the number of rounds. If a fit fails,
-/// the stage stays as it is.
-int estimateNoise(const Dataset& data, const std::vector<RigAtImage>& images, Options options, double gravity,
-                  double least_px, Stage& stage) {
-  const CondensedCorners corners = condensed(data, stage.cameras);
-  options.deviation_tolerance = 0.1;
-  for (int round = 1; reasonToEnd(stage.settings.limits).empty(); ++round) {
-    StreamProblem problem(data, corners, stage.settings, stage.cameras, images, stage.up, stage.imus,
-                          gravity);
-    if (!problem.optimize(options).converged) return round;
-    const double sigma_px = std::max(least_px, stage.settings.sigma_px * limited(problem.imageRatio()));
-    double change = std::abs(std::log(sigma_px / stage.settings.sigma_px));
-    std::vector<StartedImu> imus = problem.restarted();
-    for (std::size_t i = 0; i < imus.size(); ++i)
-      change = std::max(change, changeOf(stage.imus[i].noise, imus[i].noise));
-    stage = {stage.settings, problem.cameras(), std::move(imus), problem.up()};
-    stage.settings.sigma_px = sigma_px;
-    if (change < least_change || round == most_noise_rounds) return round;
-  }
-  return 0;
-}
-
-/// Estimates noise and values until corners that are linearised again at these values do not change the noise.
-void estimateNoise(const Dataset& data, const std::vector<RigAtImage>& images, const Options& options,
-                   double gravity, Stage& stage) {
-  const double least_px = stage.settings.sigma_px;
-  for (int round = 0; round < most_linearizations; ++round) {
-    if (estimateNoise(data, images, options, gravity, least_px, stage) < 2) return;
-  }
-}
 
 /// Fits in rounds. After each, the corners are linearised again at the values of the fit.
 Summary optimizeOnCorners(StreamProblem& problem, const Dataset& data, const Options& options) {
@@ -145,40 +93,25 @@ Summary optimizeOnCorners(StreamProblem& problem, const Dataset& data, const Opt
 
 /// Fits by preintegration. `fitted` receives the cameras.
 StreamResult fitByPreintegration(const Dataset& data, const std::vector<RigAtImage>& images,
-                                 const Options& options, double gravity, Stage& stage, CamerasAt& fitted) {
-  try {
-    estimateNoise(data, images, options, gravity, stage);
-  } catch (const slom::Error&) {
-    // The data leave something open, which the result says.
-  }
-  StreamProblem problem(data, condensed(data, stage.cameras), stage.settings, stage.cameras, images, stage.up,
-                        stage.imus, gravity);
+                                 const Options& options, double gravity, const StreamStart& start,
+                                 CamerasAt& fitted) {
+  StreamProblem problem(data, condensed(data, start.cameras), start.settings, start.cameras, images, start.up,
+                        start.imus, gravity);
   StreamResult result = problem.result(optimizeOnCorners(problem, data, options));
-  result.sigma_px = stage.settings.sigma_px;
+  result.sigma_px = start.settings.sigma_px;
   fitted = problem.cameras();
   if (result.success()) {
     const CondensedCorners corners = condensed(data, fitted);
     addHalves(
         problem.started(), images,
         [&](const std::vector<StartedImu>& imus) {
-          StreamProblem half(data, corners, stage.settings, fitted, images, problem.up(), imus, gravity);
+          StreamProblem half(data, corners, start.settings, fitted, images, problem.up(), imus, gravity);
           return half.optimize(options).converged ? half.posesOfImus() : PosesOfImus();
         },
         result);
   }
-  noteBoardScale([&] { return problem.boardScale(options); }, stage.imus.front().axes, result);
+  noteBoardScale([&] { return problem.boardScale(options); }, start.imus.front().axes, result);
   return result;
-}
-
-/// Fits the way that `stream` wants. `fitted` receives the cameras.
-StreamResult fit(const Dataset& data, const std::vector<RigAtImage>& images, const StreamSettings& stream,
-                 Stage& stage, CamerasAt& fitted) {
-  const Options options = optionsOfStreams(stage.settings);
-  if (stream.path == StreamPath::preintegration)
-    return fitByPreintegration(data, images, options, stream.gravity, stage, fitted);
-  return fitBySplines({data, stage.settings, images, stream.gravity, stream.knot_spacing, {}},
-                      {stage.settings.sigma_px, stage.cameras, stage.imus, stage.up}, stream, options,
-                      [&](const SplineProblem& problem) { fitted = problem.values().cameras; });
 }
 
 void requireGoodSettings(const StreamSettings& stream) {
@@ -211,37 +144,25 @@ StreamResult calibrateStreams(const Dataset& data, const Settings& given, const 
   std::int64_t epoch_ns = 0;
   const std::vector<RigAtImage> images = rigAtImages(*on_board, cameras, epoch_ns);
   UsableStreams usable(imus, given.robust);
+  const Settings settings = settingsOfStreams(given, cameras);
+  const Options options = optionsOfStreams(settings);
   const auto start = [&] {
-    Stage stage{settingsOfStreams(given, cameras),
-                valuesOf(cameras),
-                startImus(usable.streams(), images, epoch_ns, stream),
-                {}};
-    for (std::size_t i = 0; i < stage.imus.size(); ++i) stage.imus[i].jumps = usable.jumps()[i];
-    stage.up = upByForces(usable.streams().front(), images, stage.imus.front().start);
-    return stage;
+    StreamStart start{settings, valuesOf(cameras), startImus(usable.streams(), images, epoch_ns, stream), {}};
+    for (std::size_t i = 0; i < start.imus.size(); ++i) start.imus[i].jumps = usable.jumps()[i];
+    start.up = upByForces(usable.streams().front(), images, start.imus.front().start);
+    return start;
   };
-  Stage stage = start();
-  if (given.robust != Robust::none &&
-      usable.remove(findBiasJumps(*on_board, stage.settings, stage.cameras, images, stage.up, stage.imus,
-                                  stream.gravity)))
-    stage = start();
-  if (given.robust != Robust::none &&
-      usable.remove(findGrossReadings(*on_board, stage.settings, stage.cameras, images, stage.up, stage.imus,
-                                      stream.gravity)))
-    stage = start();
+  const PreparedStreams prepared = prepare(*on_board, images, options, stream.gravity, start, usable);
   CamerasAt fitted;
-  StreamResult result = fit(*on_board, images, stream, stage, fitted);
-  const Options options = optionsOfStreams(stage.settings);
-  const Stage from = result.success() ? stage : start();
-  const ForceLags lags = findForceLags(*on_board, from.settings, result.success() ? fitted : from.cameras,
-                                       images, from.up, from.imus, stream.gravity, options, result);
-  if (usable.remove(lags)) {
-    stage = start();
-    result = fit(*on_board, images, stream, stage, fitted);
-    reportLags(lags, result);
-  }
+  StreamResult result =
+      stream.path == StreamPath::preintegration
+          ? fitByPreintegration(*on_board, images, options, stream.gravity, prepared.start, fitted)
+          : fitBySplines({*on_board, settings, images, stream.gravity, stream.knot_spacing, {}},
+                         valuesOf(prepared.start), stream, options,
+                         [&](const SplineProblem& problem) { fitted = problem.values().cameras; });
+  reportLags(prepared.lags, result);
   if (stream.axes == ImuAxes::calibrated)
-    doubtHeldAxes(*on_board, stage.settings, fitted, images, stage.imus, stream.gravity, options, result);
+    doubtHeldAxes(*on_board, settings, fitted, images, prepared.start.imus, stream.gravity, options, result);
   completeResult(cameras, fitted, imus, epoch_ns, true, result);
   noteOtherTimes(*on_board, result);
   usable.report(result);

@@ -15,12 +15,11 @@
 #include "calibration/fit/rig.hpp"
 #include "calibration/median.hpp"
 #include "calibration/procedure/fit_once.hpp"
-#include "calibration/streams/bias_jumps.hpp"
 #include "calibration/streams/check.hpp"
-#include "calibration/streams/force_lag.hpp"
 #include "calibration/streams/forces.hpp"
 #include "calibration/streams/held_axes.hpp"
 #include "calibration/streams/joint_fit.hpp"
+#include "calibration/streams/preparation.hpp"
 #include "calibration/streams/splines/fit.hpp"
 #include "calibration/streams/usable_streams.hpp"
 #include "slom/calibration/error.hpp"
@@ -248,7 +247,7 @@ Dataset withGivenNumbers(Dataset data, const Apart& apart) {
   return data;
 }
 
-/// What the readings are checked by: the first camera, as if it read all rows at once.
+/// What the axes are checked by: the first camera, as if it read all rows at once.
 struct Checks {
   Dataset data;
   CamerasAt camera;
@@ -285,54 +284,37 @@ MovingCameras calibrateMovingCameras(const Dataset& data, const Settings& given,
   const std::vector<RigAtImage>& images = all.front().images;
   const std::int64_t epoch_ns = all.front().epoch_ns;
   const Settings settings = settingsOfStreams(given, cameras);
-  UsableStreams usable(imus, given.robust);
-  const ImuStream& first = usable.streams().front();
-  std::vector<StartedImu> started = startImus(usable.streams(), images, epoch_ns, stream);
-  const auto upright = [&] { return upByForces(first, images, started.front().start); };
-  const auto restart = [&] {
-    started = startImus(usable.streams(), images, epoch_ns, stream);
-    for (std::size_t i = 0; i < started.size(); ++i) started[i].jumps = usable.jumps()[i];
-  };
   const Options options = optionsOfStreams(settings);
-  Checks checks{withoutReadout(all.front().data, all.front().result), valuesOf(all.front().result), images};
-  if (given.robust != Robust::none) {
-    if (usable.remove(findBiasJumps(checks.data, settings, checks.camera, checks.images, upright(), started,
-                                    stream.gravity)))
-      restart();
-    if (usable.remove(findGrossReadings(checks.data, settings, checks.camera, checks.images, upright(),
-                                        started, stream.gravity)))
-      restart();
-  }
+  UsableStreams usable(imus, given.robust);
+  const auto start = [&] {
+    StreamStart start{
+        settings, valuesOf(all.front().result), startImus(usable.streams(), images, epoch_ns, stream), {}};
+    for (std::size_t i = 0; i < start.imus.size(); ++i) start.imus[i].jumps = usable.jumps()[i];
+    start.up = upByForces(usable.streams().front(), images, start.imus.front().start);
+    return start;
+  };
+  const PreparedStreams prepared = prepare(withoutReadout(all.front().data, all.front().result), images,
+                                           options, stream.gravity, start, usable);
+  SplineValues values = valuesOf(prepared.start);
+  values.cameras = valuesOf(cameras);
+  values.cameras.rig.left2camera.clear();
+  const TimingStart timing = startTiming(all, apart, usable.streams().front(), values.imus.front().start,
+                                         given, stream, values.cameras.rig.left2camera);
+  values.timings = timing.timings;
+  SplineRecording recording{*on_board, settings, images, stream.gravity, stream.knot_spacing, {}};
+  recording.clocks = timing.clocks;
   MovingCameras moving;
   CamerasAt fitted;
-  const auto fit = [&] {
-    CamerasAt at = valuesOf(cameras);
-    at.rig.left2camera.clear();
-    const TimingStart timing =
-        startTiming(all, apart, first, started.front().start, given, stream, at.rig.left2camera);
-    SplineRecording recording{*on_board, settings, images, stream.gravity, stream.knot_spacing, {}};
-    recording.clocks = timing.clocks;
-    SplineValues start{settings.sigma_px, at, started, upright()};
-    start.timings = timing.timings;
-    Checks moved;
-    moving.result = fitBySplines(recording, start, stream, options, [&](const SplineProblem& problem) {
-      fitted = problem.values().cameras;
-      moving.simultaneous = withGivenNumbers(problem.simultaneous(apart.data), apart);
-      moved = checksOf(problem.simultaneous(*on_board), fitted, images);
-    });
-    if (given.rolling_shutter && moving.result.success()) checks = std::move(moved);
-  };
-  fit();
-  const ForceLags lags = findForceLags(checks.data, settings, checks.camera, checks.images, upright(),
-                                       started, stream.gravity, options, moving.result);
-  if (usable.remove(lags)) {
-    restart();
-    fit();
-    reportLags(lags, moving.result);
-  }
+  Checks checks;
+  moving.result = fitBySplines(recording, values, stream, options, [&](const SplineProblem& problem) {
+    fitted = problem.values().cameras;
+    moving.simultaneous = withGivenNumbers(problem.simultaneous(apart.data), apart);
+    checks = checksOf(problem.simultaneous(*on_board), fitted, images);
+  });
+  reportLags(prepared.lags, moving.result);
   if (stream.axes == ImuAxes::calibrated)
-    doubtHeldAxes(checks.data, settings, checks.camera, checks.images, started, stream.gravity, options,
-                  moving.result);
+    doubtHeldAxes(checks.data, settings, checks.camera, checks.images, prepared.start.imus, stream.gravity,
+                  options, moving.result);
   completeResult(cameras, fitted, imus, epoch_ns, !given.rolling_shutter, moving.result);
   usable.report(moving.result);
   for (std::size_t c = 0; c < all.size(); ++c) {

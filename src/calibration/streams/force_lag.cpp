@@ -14,7 +14,6 @@
 #include "calibration/median.hpp"
 #include "calibration/streams/check.hpp"
 #include "calibration/streams/doubt.hpp"
-#include "calibration/streams/held_axes.hpp"
 #include "slom/calibration/error.hpp"
 #include "slom/calibration/number_text.hpp"
 
@@ -44,18 +43,16 @@ class LagFits {
  public:
   LagFits(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
           const std::vector<RigAtImage>& images, const mtk::S2<>& up, const std::vector<StartedImu>& imus,
-          double gravity, const Options& options, const StreamResult& result)
+          double gravity, const Options& options)
       : data_(data),
         corners_(condensed(data, cameras)),
         settings_(settings),
         cameras_(cameras),
         images_(images),
-        up_(result.success() ? mtk::S2<>(vec3(-result.gravity)) : up),
-        imus_(result.success() ? startedAt(result, imus) : imus),
+        up_(up),
+        imus_(imus),
         gravity_(gravity),
-        options_(options) {
-    if (result.success()) settings_.sigma_px = result.sigma_px;
-  }
+        options_(options) {}
 
   /// The RSS of a fit; infinite if there is none. How large residuals are, relative to what the noise predicts, at least 1.
   struct Fit {
@@ -89,11 +86,11 @@ class LagFits {
  private:
   const Dataset& data_;
   CondensedCorners corners_;
-  Settings settings_;
+  const Settings& settings_;
   const CamerasAt& cameras_;
   const std::vector<RigAtImage>& images_;
-  mtk::S2<> up_;
-  std::vector<StartedImu> imus_;
+  const mtk::S2<>& up_;
+  const std::vector<StartedImu>& imus_;
   double gravity_;
   const Options& options_;
 };
@@ -110,16 +107,15 @@ std::string clauseOn(const StreamNumber& lag, const std::string& imu) {
 
 ForceLags findForceLags(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
                         const std::vector<RigAtImage>& images, const mtk::S2<>& up,
-                        const std::vector<StartedImu>& imus, double gravity, const Options& options,
-                        const StreamResult& result) {
+                        const std::vector<StartedImu>& imus, double gravity, const Options& options) {
   ForceLags lags(imus.size());
   if (!reasonToEnd(settings.limits).empty()) return lags;
-  const LagFits fits(data, settings, cameras, images, up, imus, gravity, options, result);
+  const LagFits fits(data, settings, cameras, images, up, imus, gravity, options);
   for (std::size_t i = 0; i < imus.size(); ++i) {
     try {
       lags[i] = fits.lagOf(i);
     } catch (const slom::Error&) {
-      continue;  // the result as it is stands
+      continue;  // which the fit itself says
     }
   }
   return lags;

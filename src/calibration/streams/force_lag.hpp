@@ -11,14 +11,12 @@ namespace slom::calibration {
 /// Lags of accelerometers behind their gyroscopes, by IMU; nothing: none was found.
 using ForceLags = std::vector<std::optional<StreamNumber>>;
 
-/// Finds significant lags. `result` is a fit, by either way, with one clock for both sensors; it may have failed because of a
-/// lag. Three fits by preintegration, with the forces one reading earlier, as they are, and one reading later, give the lag
-/// and its standard deviation. One more fit without the lag shows how large the residuals then are. Arguments as those of
-/// doubtHeldAxes(). If the result failed, `cameras`, `up` and `imus` are where the fits start.
+/// Finds significant lags. Three fits by preintegration, with the forces one reading earlier, as they are, and one reading
+/// later, give the lag and its standard deviation. One more fit without the lag shows how large the residuals then are. A
+/// fit that fails finds no lag. `cameras`, `up` and `imus`: values and noise to begin with.
 ForceLags findForceLags(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
                         const std::vector<RigAtImage>& images, const mtk::S2<>& up,
-                        const std::vector<StartedImu>& imus, double gravity, const Options& options,
-                        const StreamResult& result);
+                        const std::vector<StartedImu>& imus, double gravity, const Options& options);
 
 /// Reads the forces `lag` later: they are then those at the times of the angular velocities.
 void removeLag(double lag, ImuStream& imu);

@@ -21,6 +21,8 @@ class UsableStreams {
 
   /// The streams stay where they are, also when readings are removed.
   const std::vector<ImuStream>& streams() const { return used_; }
+  /// Returns whether wrong readings are removed.
+  bool isRobust() const { return robust_ != Robust::none; }
   /// Removes readings, by IMU. Returns whether there are any. Does nothing with Robust::none.
   bool remove(std::vector<std::vector<GrossReadings>> gross);
   /// Removes jumps of biases from the readings, by IMU. Returns whether there are any. Does nothing with Robust::none.

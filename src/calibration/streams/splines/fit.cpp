@@ -77,11 +77,15 @@ BoardScale SplineProblem::boardScale(const Options& options) {
   return boardScaleOf(est_, board_scale_, [&] { return byBlocks(); });
 }
 
+SplineValues valuesOf(const StreamStart& start) {
+  return {start.settings.sigma_px, start.cameras, start.imus, start.up};
+}
+
 StreamResult fitBySplines(SplineRecording recording, SplineValues start, const StreamSettings& stream,
                           const Options& options, const std::function<void(const SplineProblem&)>& at_end) {
   requireSpacing(recording.knot_spacing);
   recording.stretches = stretchesOf(recording.images, start.imus, recording.knot_spacing);
-  const double least_px = start.sigma_px;
+  const double least_px = recording.settings.sigma_px;
   bool is_noise_found = false;
   int iterations = 0;
   for (int fit = 1;; ++fit) {

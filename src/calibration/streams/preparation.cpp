@@ -1,0 +1,84 @@
+#include "calibration/streams/preparation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calibration/limits.hpp"
+#include "slom/calibration/error.hpp"
+
+namespace slom::calibration {
+namespace {
+
+/// Rounds of fits in which the noise of corners and readings is estimated in turn with the values, and the relative
+/// change of a standard deviation at which they end.
+constexpr int most_noise_rounds = 20;
+constexpr double least_change = 0.02;
+
+/// Rounds in which corners are linearised again at the values of the fit before.
+constexpr int most_linearizations = 10;
+
+double changeOf(const ImuNoise& before, const ImuNoise& after) {
+  return std::max(std::abs(std::log(before.gyro / after.gyro)),
+                  std::abs(std::log(before.force / after.force)));
+}
+
+/// Estimates the noise of corners and readings in turn with the values, until it stays the same; the corners are linearised
+/// once. Corners are at least as noisy as the cameras' own fit found them. Returns the number of rounds. If a fit fails,
+/// the start stays as it is.
+int estimateNoise(const Dataset& data, const std::vector<RigAtImage>& images, Options options, double gravity,
+                  double least_px, StreamStart& start) {
+  const CondensedCorners corners = condensed(data, start.cameras);
+  options.deviation_tolerance = 0.1;
+  for (int round = 1; reasonToEnd(start.settings.limits).empty(); ++round) {
+    StreamProblem problem(data, corners, start.settings, start.cameras, images, start.up, start.imus,
+                          gravity);
+    if (!problem.optimize(options).converged) return round;
+    const double sigma_px = std::max(least_px, start.settings.sigma_px * limited(problem.imageRatio()));
+    double change = std::abs(std::log(sigma_px / start.settings.sigma_px));
+    std::vector<StartedImu> imus = problem.restarted();
+    for (std::size_t i = 0; i < imus.size(); ++i)
+      change = std::max(change, changeOf(start.imus[i].noise, imus[i].noise));
+    start = {start.settings, problem.cameras(), std::move(imus), problem.up()};
+    start.settings.sigma_px = sigma_px;
+    if (change < least_change || round == most_noise_rounds) return round;
+  }
+  return 0;
+}
+
+/// Estimates noise and values until corners that are linearised again at these values do not change the noise. If the
+/// data leave something open, which the result of the fit says, the start stays as it is.
+void estimateNoise(const Dataset& data, const std::vector<RigAtImage>& images, const Options& options,
+                   double gravity, StreamStart& start) {
+  const double least_px = start.settings.sigma_px;
+  try {
+    for (int round = 0; round < most_linearizations; ++round) {
+      if (estimateNoise(data, images, options, gravity, least_px, start) < 2) return;
+    }
+  } catch (const slom::Error&) {
+    return;
+  }
+}
+
+}  // namespace
+
+PreparedStreams prepare(const Dataset& data, const std::vector<RigAtImage>& images, const Options& options,
+                        double gravity, const std::function<StreamStart()>& start, UsableStreams& usable) {
+  PreparedStreams prepared{start(), {}};
+  StreamStart& now = prepared.start;
+  if (usable.isRobust()) {
+    if (usable.remove(findBiasJumps(data, now.settings, now.cameras, images, now.up, now.imus, gravity)))
+      now = start();
+    if (usable.remove(findGrossReadings(data, now.settings, now.cameras, images, now.up, now.imus, gravity)))
+      now = start();
+  }
+  estimateNoise(data, images, options, gravity, now);
+  prepared.lags = findForceLags(data, now.settings, now.cameras, images, now.up, now.imus, gravity, options);
+  if (usable.remove(prepared.lags)) {
+    now = start();
+    estimateNoise(data, images, options, gravity, now);
+  }
+  return prepared;
+}
+
+}  // namespace slom::calibration
