@@ -237,10 +237,11 @@ FittedStreams fittedOrRefused(const CommandSettings& settings, const Fit& fit) {
 /// Prints what was found about the cameras, and about the IMUs if there are any.
 void sayResults(const Result& result, const std::optional<FittedStreams>& streams) {
   say(reportText(result, streams ? "verdict on the cameras" : "verdict"));
-  if (!streams || !streams->refusal.empty()) return;
-  say(streamLines(streams->result, result.cameras.front().name));
+  if (!streams) return;
+  if (streams->refusal.empty()) say(streamLines(streams->result, result.cameras.front().name));
   if (streams->agreement) say(agreementLines(*streams->agreement));
-  if (streams->success()) say(verdictText("verdict on the IMU", streams->verdict));
+  if (streams->success() || !streams->refusal.empty())
+    say(verdictText("verdict on the IMU", streams->verdict));
 }
 
 /// Refuses words that belong to no option. If one of them is a file, it most often belongs to a camera.

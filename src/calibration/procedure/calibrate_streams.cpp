@@ -80,7 +80,13 @@ constexpr double least_decrease = 1e-6;
 Summary optimizeOnCorners(StreamProblem& problem, const Dataset& data, const Options& options) {
   Summary summary = problem.optimize(options);
   for (int round = 1; round < most_linearizations && summary.converged; ++round) {
-    problem.setCorners(condensed(data, problem.cameras()));
+    const CondensedCorners corners = condensed(data, problem.cameras());
+    if (!corners.isFinite()) {
+      summary.converged = false;
+      summary.message = "the readings pull the cameras to where they do not see the board";
+      break;
+    }
+    problem.setCorners(corners);
     const Summary next = problem.optimize(options);
     const bool is_last = next.initial_rss - next.final_rss < least_decrease;
     const int iterations = summary.iterations + next.iterations;

@@ -80,15 +80,6 @@ ImuAgreement agreementOf(const ImuStreamResult& a, const ImuStreamResult& b) {
   return one;
 }
 
-/// Returns the largest ratio of a clustered standard deviation of a rotation to the stated one, at least 1.
-double growthOfRotations(const StreamResult& result) {
-  double growth = 1;
-  for (const ImuStreamResult& imu : result.imus) {
-    for (int i = 0; i < 3; ++i) growth = std::max(growth, imu.rotation_clustered[i] / imu.rotation_std[i]);
-  }
-  return growth;
-}
-
 /// What to look at if a value differs.
 const char* causesOf(const std::string& value) {
   if (value.find("time_offset") != std::string::npos)
@@ -143,8 +134,7 @@ StreamAgreement agreementOf(const StreamResult& first, const StreamResult& secon
     agreement.imus.push_back(agreementOf(first.imus[i], second.imus[i]));
   const Eigen::Vector3d a = first.gravity, b = second.gravity;
   agreement.gravity_angle = std::atan2(a.cross(b).norm(), a.dot(b));
-  agreement.gravity_std = largestOf({first.gravity_direction_std * growthOfRotations(first),
-                                     second.gravity_direction_std * growthOfRotations(second)});
+  agreement.gravity_std = largestOf({first.gravity_direction_std, second.gravity_direction_std});
   for (const StreamResult* fit : {&first, &second}) {
     if (!fit->success() && agreement.contradiction.empty())
       agreement.contradiction =

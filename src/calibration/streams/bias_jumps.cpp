@@ -18,9 +18,9 @@
 namespace slom::calibration {
 namespace {
 
-constexpr double window = 1;                ///< over which biases are averaged on both sides of a step [s]
-constexpr double stay = 6, least_stay = 3;  ///< over which it must last, also near the ends [s]
-constexpr double looser = 1000;             ///< times the usual walk
+constexpr double window = 1;                  ///< over which biases are averaged on both sides of a step [s]
+constexpr double stay = 3, least_stay = 1.5;  ///< over which it must last, also near the ends [s]
+constexpr double looser = 1000;               ///< times the usual walk
 /// Least size of a jump, in usual steps. Images that share errors look like steps of the forces in the first place.
 constexpr double least_turns = 5, least_pushes = 10;
 constexpr double least_of_walk = 100;  ///< times the step of a walk over the window
@@ -183,6 +183,12 @@ double incrementDeviation(const std::vector<BiasJump>& jumps, bool is_gyro, doub
     if (jump.is_gyro == is_gyro && jump.time >= from && jump.time < to) variance += jump.change.squaredNorm();
   }
   return std::sqrt(variance);
+}
+
+double firstJump(const std::vector<BiasJump>& jumps, bool is_gyro) {
+  const auto first =
+      std::find_if(jumps.begin(), jumps.end(), [&](const BiasJump& jump) { return jump.is_gyro == is_gyro; });
+  return first == jumps.end() ? INFINITY : first->time;
 }
 
 std::string noteOn(const std::vector<BiasJump>& jumps, const ImuStream& imu) {

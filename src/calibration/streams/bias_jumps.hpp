@@ -23,6 +23,9 @@ void removeJumps(const std::vector<BiasJump>& jumps, ImuStream& imu);
 double incrementDeviation(const std::vector<BiasJump>& jumps, bool is_gyro, double density, double from,
                           double to);
 
+/// Returns the time of the first jump of a sensor's bias; infinite if there is none.
+double firstJump(const std::vector<BiasJump>& jumps, bool is_gyro);
+
 /// Returns the sentence for the report. Empty if there are none.
 std::string noteOn(const std::vector<BiasJump>& jumps, const ImuStream& imu);
 

@@ -1,6 +1,7 @@
 // The corners of each image, condensed: so many numbers as there are unknowns, instead of two for each corner.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <vector>
 
@@ -35,6 +36,13 @@ struct CondensedCorners {
   CamerasAt point;
   std::map<int, CondensedImage> images{};
   std::size_t corners = 0;
+
+  /// Returns whether all cameras see the board at the point.
+  bool isFinite() const {
+    return std::all_of(images.begin(), images.end(), [](const auto& image) {
+      return image.second.R.allFinite() && image.second.b.allFinite();
+    });
+  }
 };
 CondensedCorners condensed(const Dataset& data, CamerasAt point);
 

@@ -59,6 +59,10 @@ class LagFits {
     double rss = INFINITY, ratio = 1;
   };
 
+  static bool isSignificant(const StreamNumber& lag, const Fit& fit) {
+    return std::abs(lag.value) >= significant_lag * fit.ratio * lag.std;
+  }
+
   Fit without(double lag, std::size_t imu) const {
     std::vector<StartedImu> with_lag = imus_;
     ImuStream shifted = *imus_[imu].stream;
@@ -71,15 +75,23 @@ class LagFits {
     return {summary.final_rss, std::max({1.0, one.gyro_ratio, one.force_ratio})};
   }
 
-  /// Returns the lag if it is significant.
+  /// Returns the lag if it is significant. A long lag is sought again around the one that was found.
   std::optional<StreamNumber> lagOf(std::size_t imu) const {
+    constexpr int most_rounds = 4;
     if (isSaturated(*imus_[imu].stream)) return {};
     const double step = usualSpacing(*imus_[imu].stream), none = without(0, imu).rss;
-    auto lag = minimumOf(without(-step, imu).rss, none, without(step, imu).rss, step);
-    if (!lag) return {};
-    const Fit best = without(lag->value, imu);
-    lag->std *= best.ratio;
-    if (!(best.rss < none) || std::abs(lag->value) < significant_lag * lag->std) return {};
+    StreamNumber lag{0};
+    Fit best{none};
+    for (int round = 0; round < most_rounds; ++round) {
+      const auto next =
+          minimumOf(without(lag.value - step, imu).rss, best.rss, without(lag.value + step, imu).rss, step);
+      if (!next) return {};
+      lag = {lag.value + next->value, next->std};
+      best = without(lag.value, imu);
+      if (std::abs(next->value) < step || !isSignificant(lag, best)) break;
+    }
+    if (!(best.rss < none) || !isSignificant(lag, best)) return {};
+    lag.std *= best.ratio;
     return lag;
   }
 
@@ -99,8 +111,9 @@ class LagFits {
 std::string clauseOn(const StreamNumber& lag, const std::string& imu) {
   const char *late = "accelerometer", *early = "gyroscope";
   if (lag.value < 0) std::swap(late, early);
-  return fmt::format("the {} of {} lags behind its {} by {} +- {} ms", late, imu, early,
-                     twoDigits(1e3 * std::abs(lag.value)), twoDigits(1e3 * lag.std));
+  const ValueText text = withStd(1e3 * std::abs(lag.value), 1e3 * lag.std);
+  return fmt::format("the {} of {} lags behind its {} by {} +- {} ms", late, imu, early, text.value,
+                     text.std);
 }
 
 }  // namespace

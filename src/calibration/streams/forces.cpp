@@ -88,7 +88,38 @@ std::string textOf(const Eigen::Matrix3d& axes) {
   return "(" + text + ")";
 }
 
+/// Calls f(axes) for all axes that differ from the given ones by their order and their signs.
+void forEachAxes(const auto& f) {
+  int order[3] = {0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+      for (int row = 0; row < 3; ++row) axes(row, order[row]) = (signs >> row & 1) ? -1 : 1;
+      f(axes);
+    }
+  } while (std::next_permutation(order, order + 3));
+}
+
 }  // namespace
+
+std::string remedyOfHand(const ImuStream& imu, const std::vector<RigAtImage>& images, RatesStart start,
+                         const Eigen::Matrix3d& mirrored) {
+  const Eigen::Matrix3d mirror = -Eigen::Matrix3d::Identity();
+  double least = INFINITY, of_both = INFINITY;
+  Eigen::Matrix3d best = mirror;
+  forEachAxes([&](const Eigen::Matrix3d& axes) {
+    if (axes.determinant() > 0) return;
+    start.left2imu = SO3(Eigen::Matrix3d(axes * mirrored));
+    const std::vector<ForceAtImage> forces = forcesAtImages(imu, images, start);
+    if (forces.empty()) return;
+    const double rms = misfitOfForces(forces, Eigen::Matrix3d::Identity());
+    if (rms < least) least = rms, best = axes;
+    of_both = std::min(of_both, misfitOfForces(forces, axes));
+  });
+  if (least < of_both / 2)
+    return fmt::format("give {} as their axes, and leave the forces as they are", textOf(best));
+  return "change the sign of one axis, or exchange two, in angular velocity and force";
+}
 
 void requireForcesOfMotion(const ImuStream& imu, const std::vector<RigAtImage>& images,
                            const RatesStart& start) {
@@ -98,15 +129,10 @@ void requireForcesOfMotion(const ImuStream& imu, const std::vector<RigAtImage>& 
   const double given = misfitOfForces(forces, Eigen::Matrix3d::Identity());
   double least = given;
   Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
-  int order[3] = {0, 1, 2};
-  do {
-    for (int signs = 0; signs < 8; ++signs) {
-      Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
-      for (int row = 0; row < 3; ++row) axes(row, order[row]) = (signs >> row & 1) ? -1 : 1;
-      const double rms = misfitOfForces(forces, axes);
-      if (rms < least) least = rms, best = axes;
-    }
-  } while (std::next_permutation(order, order + 3));
+  forEachAxes([&](const Eigen::Matrix3d& axes) {
+    const double rms = misfitOfForces(forces, axes);
+    if (rms < least) least = rms, best = axes;
+  });
   if (least > given / 2) return;
   badStream(
       imu,

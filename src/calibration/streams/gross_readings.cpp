@@ -12,11 +12,11 @@
 namespace slom::calibration {
 namespace {
 
-/// Returns the times with neighbours as one.
+/// Returns the times with those near each other as one.
 std::vector<GrossReadings> joined(const std::vector<GrossReadings>& gross) {
   std::vector<GrossReadings> times;
   for (const GrossReadings& one : gross) {
-    if (times.empty() || one.from > times.back().to + (one.to - one.from) / 2)
+    if (times.empty() || one.from > times.back().to + 2.5 * (one.to - one.from))
       times.push_back(one);
     else
       times.back().to = one.to;
@@ -62,7 +62,7 @@ std::string noteOn(const std::vector<GrossReadings>& gross, const ImuStream& imu
   for (std::size_t k = 0; k < std::min(times.size(), most_named); ++k)
     named.push_back(fmt::format("from {:.3f} to {:.3f} s", times[k].from - imu.samples.front().time,
                                 times[k].to - imu.samples.front().time));
-  if (times.size() > most_named) named.push_back(fmt::format("{} times more", times.size() - most_named));
+  if (times.size() > most_named) named.push_back(fmt::format("{} more times", times.size() - most_named));
   const auto worst =
       std::max_element(gross.begin(), gross.end(),
                        [](const GrossReadings& a, const GrossReadings& b) { return a.times < b.times; });

@@ -1,4 +1,4 @@
-// The standard deviation of a bias's mean over time.
+// The mean of a bias over time, and its standard deviation.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,13 @@
 #include "slom/calibration/imu_stream.hpp"
 
 namespace slom::calibration {
+
+/// Returns the mean of a bias, given at many times. `biases`: a container of VarID.
+vec3 meanBias(const auto& biases) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& id : biases) sum += *id / double(biases.size());
+  return vec3(sum);
+}
 
 /// Returns the standard deviation of the mean of a bias, given at many times: from the joint covariance of a few of them,
 /// spread evenly, because a bias changes slowly. `covariances`: an Estimator or Clustered. `biases`: a container of VarID.

@@ -51,12 +51,13 @@ int estimateNoise(const Dataset& data, const std::vector<RigAtImage>& images, Op
 void estimateNoise(const Dataset& data, const std::vector<RigAtImage>& images, const Options& options,
                    double gravity, StreamStart& start) {
   const double least_px = start.settings.sigma_px;
+  const StreamStart before = start;
   try {
     for (int round = 0; round < most_linearizations; ++round) {
       if (estimateNoise(data, images, options, gravity, least_px, start) < 2) return;
     }
-  } catch (const slom::Error&) {
-    return;
+  } catch (const slom::Error&) {  // the last fit may have moved a board behind a camera
+    start = before;
   }
 }
 

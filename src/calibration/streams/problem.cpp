@@ -37,12 +37,6 @@ vec3 valueAt(const std::map<std::size_t, vec3>& known, std::size_t i, const vec3
   return found == known.end() ? otherwise : found->second;
 }
 
-vec3 meanOf(const std::vector<VarID<vec3>>& ids) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const auto& id : ids) sum += *id / double(ids.size());
-  return vec3(sum);
-}
-
 }  // namespace
 
 StreamProblem::StreamProblem(const Dataset& data, const CondensedCorners& corners, const Settings& settings,
@@ -129,7 +123,7 @@ void StreamProblem::insert(const StartedImu& started) {
 }
 
 ImuModel<> StreamProblem::modelOf(const Imu& imu) {
-  return imu.axes.modelWith(meanOf(imu.gyro_biases), meanOf(imu.force_biases));
+  return imu.axes.modelWith(meanBias(imu.gyro_biases), meanBias(imu.force_biases));
 }
 
 void StreamProblem::insertIntervals(Imu& imu, const StartedImu& started) {
@@ -190,9 +184,9 @@ std::vector<StartedImu> StreamProblem::started() const {
   std::vector<StartedImu> all;
   for (const Imu& imu : imus_) {
     StartedImu next{
-        imu.stream, {double(*imu.offset), imu.left2imu->orient, meanOf(imu.gyro_biases)}, imu.noise};
+        imu.stream, {double(*imu.offset), imu.left2imu->orient, meanBias(imu.gyro_biases)}, imu.noise};
     next.left2imu = *imu.left2imu;
-    next.force_bias = meanOf(imu.force_biases);
+    next.force_bias = meanBias(imu.force_biases);
     next.axes = imu.axes.estimated;
     next.model = modelOf(imu);
     next.jumps = imu.jumps;
@@ -239,6 +233,17 @@ std::vector<std::vector<GrossReadings>> StreamProblem::grossReadings() const {
   return all;
 }
 
+std::vector<VarID<vec3>> StreamProblem::biasesBeforeJumps(const Imu& imu, bool is_gyro) const {
+  const std::vector<VarID<vec3>>& all = is_gyro ? imu.gyro_biases : imu.force_biases;
+  const double jump = firstJump(imu.jumps, is_gyro);
+  std::vector<VarID<vec3>> before;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Interval& one = imu.intervals[k];
+    if (images_[one.first].time + one.duration / 2 + double(*imu.offset) < jump) before.push_back(all[k]);
+  }
+  return before.empty() ? all : before;
+}
+
 ImuStreamResult StreamProblem::resultOf(const Imu& imu) const {
   ImuStreamResult result;
   result.name = imu.stream->name;
@@ -254,8 +259,8 @@ ImuStreamResult StreamProblem::resultOf(const Imu& imu) const {
   result.rate = 1 / medianOf(spacings);
   result.left2imu = *imu.left2imu;
   result.time_offset = double(*imu.offset);
-  result.gyro_bias = meanOf(imu.gyro_biases);
-  result.force_bias = meanOf(imu.force_biases);
+  result.gyro_bias = meanBias(biasesBeforeJumps(imu, true));
+  result.force_bias = meanBias(biasesBeforeJumps(imu, false));
   result.axes.estimated = imu.axes.estimated;
   result.axes.model = modelOf(imu);
   double gyro = 0, force = 0;
@@ -335,7 +340,7 @@ void StreamProblem::addStandardDeviations(StreamResult& result) {
     setPoseDeviations(pose, imu);
     imu.time_offset_std = est_.standardDeviation(imus_[i].offset)[0];
     imu.axes.std = imus_[i].axes.ofEach([&](const auto& id) { return est_.standardDeviation(id); });
-    setBiasDeviations(est_, imus_[i].gyro_biases, imus_[i].force_biases, imu);
+    setBiasDeviations(est_, biasesBeforeJumps(imus_[i], true), biasesBeforeJumps(imus_[i], false), imu);
     for (std::string& sentence : uncertainOf(imu, pose)) result.notes.push_back(std::move(sentence));
     const Ratios ratios = ratiosOf(imus_[i]);
     imu.gyro_ratio = ratios.gyro;
@@ -352,12 +357,15 @@ Clustered StreamProblem::byBlocks() const {
 
 void StreamProblem::addClustered(StreamResult& result) {
   const Clustered clustered = byBlocks();
+  result.gravity_direction_std =
+      std::fmax(result.gravity_direction_std, clustered.standardDeviation(up_).maxCoeff());
   for (std::size_t i = 0; i < imus_.size(); ++i) {
     ImuStreamResult& imu = result.imus[i];
     setClusteredDeviations(clustered.covariance(imus_[i].left2imu), imu);
     imu.axes.std_clustered =
         imus_[i].axes.ofEach([&](const auto& id) { return clustered.standardDeviation(id); });
-    setBiasDeviations(est_, clustered, imus_[i].gyro_biases, imus_[i].force_biases, imu);
+    setBiasDeviations(est_, clustered, biasesBeforeJumps(imus_[i], true), biasesBeforeJumps(imus_[i], false),
+                      imu);
     imu.time_offset_clustered = clustered.standardDeviation(imus_[i].offset)[0];
   }
 }

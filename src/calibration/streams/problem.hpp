@@ -118,6 +118,8 @@ class StreamProblem {
   double timeBetween(const Imu& imu, std::size_t k) const;
   std::pair<double, double> expectedSquares(const Imu& imu) const;
   ImuStreamResult resultOf(const Imu& imu) const;
+  /// Returns the biases of a sensor before its first jump: that of all intervals if there is none.
+  std::vector<VarID<vec3>> biasesBeforeJumps(const Imu& imu, bool is_gyro) const;
   void addStandardDeviations(StreamResult& result);
   Clustered byBlocks() const;
   void addClustered(StreamResult& result);

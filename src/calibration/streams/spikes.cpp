@@ -27,6 +27,14 @@ double scaleOf(std::vector<double> magnitudes) {
   return *at / exceeded_by_a_tenth;
 }
 
+/// Returns the readings of an axis: 0 to 2 of the gyroscope, 3 to 5 of the accelerometer.
+std::vector<double> axisOf(const ImuStream& imu, int axis) {
+  std::vector<double> values;
+  for (const ImuSample& sample : imu.samples)
+    values.push_back(axis < 3 ? sample.gyro[axis] : sample.force[axis - 3]);
+  return values;
+}
+
 /// Returns which readings have neighbours at the usual intervals: the others are beside a gap.
 std::vector<bool> neighboursOf(const ImuStream& imu) {
   constexpr double usual = 1.5;  // times the median
@@ -89,7 +97,56 @@ std::size_t countReadings(const std::vector<ImuSpike>& spikes) {
   return count;
 }
 
+/// Adds the times in which the values of an axis hang, from the second equal value on.
+void addStuck(const std::vector<double>& values, const ImuStream& imu, std::vector<GrossReadings>& stuck) {
+  constexpr std::size_t least_readings = 20;
+  constexpr double least_time = 0.2;  // s
+  constexpr double far_away = 5;      // times the usual difference of successive readings
+  std::vector<double> differences;
+  double largest = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    largest = std::max(largest, std::abs(values[i]));
+    if (i > 0 && values[i] != values[i - 1]) differences.push_back(std::abs(values[i] - values[i - 1]));
+  }
+  const double usual = medianOf(std::move(differences));
+  for (std::size_t i = 0, end = 0; i < values.size(); i = end) {
+    for (end = i + 1; end < values.size() && values[end] == values[i];) ++end;
+    const double from = imu.samples[i].time, to = imu.samples[end - 1].time;
+    if (end - i < least_readings || to - from < least_time || std::abs(values[i]) == largest) continue;
+    const bool comes_from_afar = i > 0 && std::abs(values[i] - values[i - 1]) > far_away * usual,
+               goes_afar = end < values.size() && std::abs(values[end] - values[i]) > far_away * usual;
+    if (comes_from_afar || goes_afar)
+      stuck.push_back({imu.samples[comes_from_afar ? i : i + 1].time, to, unknown});
+  }
+}
+
 }  // namespace
+
+std::vector<GrossReadings> stuckReadings(const ImuStream& imu) {
+  std::vector<GrossReadings> all, joined;
+  for (int axis = 0; axis < 6; ++axis) addStuck(axisOf(imu, axis), imu, all);
+  std::sort(all.begin(), all.end(),
+            [](const GrossReadings& a, const GrossReadings& b) { return a.from < b.from; });
+  for (const GrossReadings& one : all) {
+    if (joined.empty() || one.from > joined.back().to)
+      joined.push_back(one);
+    else
+      joined.back().to = std::max(joined.back().to, one.to);
+  }
+  return joined;
+}
+
+std::string noteOnStuck(const std::vector<GrossReadings>& stuck, const ImuStream& imu) {
+  if (stuck.empty()) return {};
+  std::vector<std::string> named;
+  for (const GrossReadings& one : stuck)
+    named.push_back(fmt::format("from {:.3f} to {:.3f} s", one.from - imu.samples.front().time,
+                                one.to - imu.samples.front().time));
+  return fmt::format(
+      "{}: readings stay exactly the same {} after the first reading, as of a sensor that hangs. They were left out; "
+      "--robust none keeps them.",
+      nameOf(imu), fmt::join(named, ", "));
+}
 
 Spikes spikesOf(const ImuStream& imu) {
   Spikes found;
@@ -97,10 +154,7 @@ Spikes spikesOf(const ImuStream& imu) {
   if (imu.samples.size() < fewest) return found;
   const std::vector<bool> has_neighbours = neighboursOf(imu);
   for (int axis = 0; axis < 6; ++axis) {
-    std::vector<double> values;
-    for (const ImuSample& sample : imu.samples)
-      values.push_back(axis < 3 ? sample.gyro[axis] : sample.force[axis - 3]);
-    addSpikes(values, has_neighbours, {.is_gyro = axis < 3, .axis = axis % 3}, imu, spikes);
+    addSpikes(axisOf(imu, axis), has_neighbours, {.is_gyro = axis < 3, .axis = axis % 3}, imu, spikes);
   }
   std::stable_sort(spikes.begin(), spikes.end(),
                    [](const ImuSpike& a, const ImuSpike& b) { return a.sample < b.sample; });

@@ -1,4 +1,4 @@
-// Single readings that no motion explains, such as those of a disturbed transfer.
+// Readings that no motion explains: single ones, as of a disturbed transfer, and those that stay the same for a while.
 #pragma once
 
 #include <cstddef>
@@ -19,6 +19,14 @@ Spikes spikesOf(const ImuStream& imu);
 
 /// Returns the stream without these readings.
 ImuStream withoutSpikes(ImuStream imu, const std::vector<ImuSpike>& spikes);
+
+/// Returns the times between which axes read exactly the same, and go on from elsewhere, as of a sensor that hangs: 20
+/// readings or more, over 0.2 s or more, in the order of time. The largest readings of an axis do not count: a saturated
+/// sensor stays there.
+std::vector<GrossReadings> stuckReadings(const ImuStream& imu);
+
+/// Returns the sentence for the report on these readings. Empty if there are none.
+std::string noteOnStuck(const std::vector<GrossReadings>& stuck, const ImuStream& imu);
 
 /// Returns the sentence for the report. Empty if no reading jumps.
 std::string noteOn(const Spikes& spikes, const ImuStream& imu);

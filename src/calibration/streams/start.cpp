@@ -10,6 +10,7 @@
 #include "calibration/median.hpp"
 #include "calibration/streams/between_images.hpp"
 #include "calibration/streams/check.hpp"
+#include "calibration/streams/forces.hpp"
 #include "calibration/streams/rates.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -46,6 +47,16 @@ Peak bestOnGrid(double first, double last, double step, std::size_t fewest,
   return best;
 }
 
+/// Returns a clause on readings that come so fast or so slowly that their times may have another unit; empty otherwise.
+std::string strangeRate(const ImuStream& imu) {
+  constexpr double least = 5, most = 20e3;  // Hz
+  const double duration = imu.samples.back().time - imu.samples.front().time,
+               rate = double(imu.samples.size() - 1) / duration;
+  if (rate > least && rate < most) return {};
+  return fmt::format("; {} readings come within {:.3g} s, so check the unit of their times",
+                     imu.samples.size(), duration);
+}
+
 double spreadOf(const std::vector<vec3>& rates) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const vec3& rate : rates) mean += rate / double(rates.size());
@@ -55,7 +66,8 @@ double spreadOf(const std::vector<vec3>& rates) {
 }
 
 /// Refuses angular velocities in degrees, and axes of the other hand.
-void requireUnitsAndHand(const ImuStream& imu, const RatePairs& pairs) {
+void requireUnitsAndHand(const ImuStream& imu, const std::vector<RigAtImage>& images, double offset,
+                         const RatePairs& pairs) {
   const double ratio = spreadOf(pairs.gyro) / spreadOf(pairs.camera);
   constexpr double degrees = 57.29578;
   if (ratio > 0.7 * degrees && ratio < 1.4 * degrees)
@@ -74,7 +86,7 @@ void requireUnitsAndHand(const ImuStream& imu, const RatePairs& pairs) {
         imu,
         fmt::format("the angular velocities fit axes of the other hand: {:.2g} rad/s off instead of {:.2g}",
                     mirrored, right),
-        "change the sign of one axis, or exchange two, in angular velocity and force");
+        remedyOfHand(imu, images, {offset, SO3(), vec3(0., 0., 0.)}, align(pairs, true).R));
 }
 
 /// Refuses angular velocities that follow those of the cameras in magnitude, but not in direction.
@@ -180,8 +192,9 @@ RatesStart startByRates(const ImuStream& imu, const std::vector<RigAtImage>& ima
   Peak peak = bestOnGrid(first, last, step, fewest, rates, gyro);
   if (peak.evidence < 0)
     badStream(imu,
-              given ? "no image was taken while the IMU recorded, with this time offset"
-                    : "the recordings are too short to find the time offset",
+              (given ? "no image was taken while the IMU recorded, with this time offset"
+                     : "the recordings are too short to find the time offset") +
+                  strangeRate(imu),
               "give images and readings of the same motion");
   peak = bestOnGrid(peak.offset - step, peak.offset + step, step / 20, fewest, rates, gyro);
   constexpr double least_correlation = 0.5;
@@ -191,11 +204,12 @@ RatesStart startByRates(const ImuStream& imu, const std::vector<RigAtImage>& ima
         "slom.calibration.no-motion",
         {.place = place,
          .fault = fmt::format(
-             "the angular velocities and the turns of the cameras correlate by {:.2g} at best, so their clocks cannot be compared",
-             peak.correlation),
+             "the angular velocities and the turns of the cameras correlate by {:.2g} at best, so their clocks cannot be "
+             "compared{}",
+             peak.correlation, strangeRate(imu)),
          .remedy = "give images and readings of the same motion, with quick turns about all axes"});
   const RatePairs pairs = pairsAt(peak.offset, rates, gyro);
-  requireUnitsAndHand(imu, pairs);
+  requireUnitsAndHand(imu, images, peak.offset, pairs);
   const RatesAlignment aligned = align(pairs, false);
   requireSameMotion(imu, pairs, aligned);
   requireAxes(imu, pairs, aligned);

@@ -9,12 +9,30 @@
 
 namespace slom::calibration {
 
+namespace {
+
+/// Returns the readings that jump, but for those at the ends of times in which readings stay the same.
+Spikes spikesBeside(const std::vector<GrossReadings>& stuck, const ImuStream& imu) {
+  Spikes spikes = spikesOf(imu);
+  const double margin = 2 * (imu.samples.back().time - imu.samples.front().time) / double(imu.samples.size());
+  std::erase_if(spikes.all, [&](const ImuSpike& spike) {
+    return std::any_of(stuck.begin(), stuck.end(), [&](const GrossReadings& one) {
+      return spike.time > one.from - margin && spike.time < one.to + margin;
+    });
+  });
+  return spikes;
+}
+
+}  // namespace
+
 UsableStreams::UsableStreams(const std::vector<ImuStream>& imus, Robust robust)
     : given_(imus), robust_(robust), gross_(imus.size()), jumps_(imus.size()) {
   for (const ImuStream& imu : imus) {
     requireGoodStream(imu);
-    spikes_.push_back(robust == Robust::none ? Spikes() : spikesOf(imu));
+    stuck_.push_back(isRobust() ? stuckReadings(imu) : std::vector<GrossReadings>());
+    spikes_.push_back(isRobust() ? spikesBeside(stuck_.back(), imu) : Spikes());
     used_.push_back(withoutSpikes(imu, spikes_.back().all));
+    removeReadings(stuck_.back(), used_.back());
   }
 }
 
@@ -53,10 +71,11 @@ void UsableStreams::report(StreamResult& result) const {
   std::vector<std::string> notes;
   for (std::size_t i = 0; i < given_.size(); ++i) {
     result.imus[i].spikes = spikes_[i].all;
-    result.imus[i].gross = gross_[i];
+    result.imus[i].gross = stuck_[i];
+    result.imus[i].gross.insert(result.imus[i].gross.end(), gross_[i].begin(), gross_[i].end());
     result.imus[i].jumps = jumps_[i];
-    for (std::string note :
-         {noteOn(spikes_[i], given_[i]), noteOn(gross_[i], given_[i]), noteOn(jumps_[i], given_[i])}) {
+    for (std::string note : {noteOnStuck(stuck_[i], given_[i]), noteOn(spikes_[i], given_[i]),
+                             noteOn(gross_[i], given_[i]), noteOn(jumps_[i], given_[i])}) {
       if (!note.empty()) notes.push_back(std::move(note));
     }
   }

@@ -13,7 +13,7 @@ namespace slom::calibration {
 
 class UsableStreams {
  public:
-  /// Leaves out readings that jump, except with Robust::none. Throws the errors of requireGoodStream(). `imus` must outlive
+  /// Leaves out readings that stay the same or jump, except with Robust::none. Throws the errors of requireGoodStream(). `imus` must outlive
   /// this object.
   UsableStreams(const std::vector<ImuStream>& imus, Robust robust);
   UsableStreams(const UsableStreams&) = delete;
@@ -38,6 +38,7 @@ class UsableStreams {
   const std::vector<ImuStream>& given_;
   Robust robust_;
   std::vector<ImuStream> used_;
+  std::vector<std::vector<GrossReadings>> stuck_;
   std::vector<Spikes> spikes_;
   std::vector<std::vector<GrossReadings>> gross_;
   std::vector<std::vector<BiasJump>> jumps_;

@@ -61,6 +61,20 @@ std::optional<SplineValues> valuesFor(const SplineProblem& problem, bool is_nois
   }
 }
 
+/// Returns how a fit ended. If values are such that cameras do not see the board, it has not converged.
+Summary optimized(SplineProblem& problem, const Options& options) {
+  try {
+    return problem.optimize(options);
+  } catch (const DataError&) {
+    throw;
+  } catch (const slom::Error&) {
+    Summary failed;
+    failed.converged = false;
+    failed.message = "the readings pull the cameras to where they do not see the board";
+    return failed;
+  }
+}
+
 /// Declares the last fit not converged if it still moved the values.
 void requireRest(double moved, Summary& summary) {
   if (moved < largest_move || !summary.converged) return;
@@ -90,7 +104,7 @@ StreamResult fitBySplines(SplineRecording recording, SplineValues start, const S
   int iterations = 0;
   for (int fit = 1;; ++fit) {
     SplineProblem problem(recording, start);
-    Summary summary = problem.optimize(optionsOfFit(options, is_noise_found, stream, iterations));
+    Summary summary = optimized(problem, optionsOfFit(options, is_noise_found, stream, iterations));
     iterations += summary.iterations;
     summary.iterations = iterations;
     const bool may_go_on =

@@ -9,6 +9,8 @@
 
 #include "calibration/fit/lens_constraints.hpp"
 #include "calibration/limits.hpp"
+#include "calibration/streams/mean_bias.hpp"
+#include "calibration/streams/mean_bias.hpp"
 #include "calibration/streams/splines/place_view.hpp"
 
 namespace slom::calibration {
@@ -189,9 +191,9 @@ SplineValues SplineProblem::values() const {
   for (std::size_t k = 0; k < imus_.size(); ++k) {
     const Imu& imu = imus_[k];
     StartedImu& next = now.imus[k];
-    next.start = {double(*imu.offset), imu.left2imu->orient, meanOf(imu.gyro_bias)};
+    next.start = {double(*imu.offset), imu.left2imu->orient, meanBias(imu.gyro_bias.controls())};
     next.left2imu = *imu.left2imu;
-    next.force_bias = meanOf(imu.force_bias);
+    next.force_bias = meanBias(imu.force_bias.controls());
     next.model = modelOf(imu);
     now.biases.push_back({controlsOf(imu.gyro_bias, bias_order), controlsOf(imu.force_bias, bias_order)});
   }

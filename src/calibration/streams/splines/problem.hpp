@@ -113,6 +113,7 @@ class SplineProblem {
     const ImuStream* stream = nullptr;
     ImuNoise noise;
     double rate = 0;  ///< of readings [Hz]
+    std::vector<BiasJump> jumps{};
     VarID<SE3> left2imu;
     VarID<mtk::Scalar<>> offset;
     AxesVariables axes;
@@ -120,7 +121,8 @@ class SplineProblem {
     std::vector<Reading> readings;
   };
 
-  static vec3 meanOf(const Bias& bias);
+  /// Returns the control points of a sensor's bias before its first jump: all if there is none.
+  static std::vector<VarID<vec3>> biasesBeforeJumps(const Imu& imu, bool is_gyro);
   void insertCameras();
   void insertTimings();
   void insertStretch(const Stretch& stretch, const std::function<SE3(double)>& start);

@@ -6,6 +6,7 @@
 #include "calibration/median.hpp"
 #include "calibration/streams/bias_jumps.hpp"
 #include "calibration/streams/check.hpp"
+#include "calibration/streams/mean_bias.hpp"
 #include "calibration/streams/splines/problem.hpp"
 #include "calibration/streams/splines/reading_on_spline.hpp"
 #include "slom/calibration/error.hpp"
@@ -25,14 +26,19 @@ double rateOf(const ImuStream& stream) {
 
 }  // namespace
 
-vec3 SplineProblem::meanOf(const Bias& bias) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const auto& id : bias.controls()) sum += *id / double(bias.controls().size());
-  return vec3(sum);
+std::vector<VarID<vec3>> SplineProblem::biasesBeforeJumps(const Imu& imu, bool is_gyro) {
+  const Bias& bias = is_gyro ? imu.gyro_bias : imu.force_bias;
+  const double jump = firstJump(imu.jumps, is_gyro);
+  std::vector<VarID<vec3>> before;
+  for (std::size_t k = 0; k < bias.controls().size(); ++k) {
+    if (bias.firstTime() + bias_spacing * double(k) < jump) before.push_back(bias.controls()[k]);
+  }
+  if (before.empty()) before.assign(bias.controls().begin(), bias.controls().end());
+  return before;
 }
 
 ImuModel<> SplineProblem::modelOf(const Imu& imu) {
-  return imu.axes.modelWith(meanOf(imu.gyro_bias), meanOf(imu.force_bias));
+  return imu.axes.modelWith(meanBias(imu.gyro_bias.controls()), meanBias(imu.force_bias.controls()));
 }
 
 void SplineProblem::insert(const StartedImu& started) {
@@ -50,6 +56,7 @@ void SplineProblem::insert(const StartedImu& started) {
   imus_.push_back({&stream,
                    started.noise,
                    rateOf(stream),
+                   started.jumps,
                    est_.insertRV(started.left2imu, true, stream.name + ".pose"),
                    est_.insertRV(mtk::Scalar<>(started.start.offset), true, stream.name + ".time_offset"),
                    {},

@@ -34,8 +34,8 @@ ImuStreamResult SplineProblem::resultOf(const Imu& imu) const {
   result.samples = imu.readings.size();
   result.left2imu = *imu.left2imu;
   result.time_offset = double(*imu.offset);
-  result.gyro_bias = meanOf(imu.gyro_bias);
-  result.force_bias = meanOf(imu.force_bias);
+  result.gyro_bias = meanBias(biasesBeforeJumps(imu, true));
+  result.force_bias = meanBias(biasesBeforeJumps(imu, false));
   result.noise = imu.noise;
   result.noise_is_given = imu.stream->noise.has_value();
   addMeanResiduals(imu, result);
@@ -115,7 +115,7 @@ void SplineProblem::addStandardDeviations(StreamResult& result) {
     setPoseDeviations(pose, imu);
     imu.time_offset_std = est_.standardDeviation(imus_[i].offset)[0];
     imu.axes.std = imus_[i].axes.ofEach([&](const auto& id) { return est_.standardDeviation(id); });
-    setBiasDeviations(est_, imus_[i].gyro_bias.controls(), imus_[i].force_bias.controls(), imu);
+    setBiasDeviations(est_, biasesBeforeJumps(imus_[i], true), biasesBeforeJumps(imus_[i], false), imu);
     for (std::string& sentence : uncertainOf(imu, pose)) result.notes.push_back(std::move(sentence));
     const Ratios ratios = ratiosOf(imus_[i]);
     imu.gyro_ratio = ratios.gyro;
@@ -135,6 +135,8 @@ Clustered SplineProblem::byBlocks() const {
 
 void SplineProblem::addClustered(StreamResult& result) {
   const Clustered clustered = byBlocks();
+  result.gravity_direction_std =
+      std::fmax(result.gravity_direction_std, clustered.standardDeviation(up_).maxCoeff());
   for (std::size_t c = 1; c < timings_.size(); ++c) {
     const Eigen::VectorXd std = clustered.standardDeviation(left2camera_[c]);
     result.cameras[c].translation_clustered = vec3(std.head<3>());
@@ -148,7 +150,8 @@ void SplineProblem::addClustered(StreamResult& result) {
     setClusteredDeviations(clustered.covariance(imus_[i].left2imu), imu);
     imu.axes.std_clustered =
         imus_[i].axes.ofEach([&](const auto& id) { return clustered.standardDeviation(id); });
-    setBiasDeviations(est_, clustered, imus_[i].gyro_bias.controls(), imus_[i].force_bias.controls(), imu);
+    setBiasDeviations(est_, clustered, biasesBeforeJumps(imus_[i], true), biasesBeforeJumps(imus_[i], false),
+                      imu);
     imu.time_offset_clustered = clustered.standardDeviation(imus_[i].offset)[0];
   }
 }
