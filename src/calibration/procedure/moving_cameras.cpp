@@ -278,9 +278,10 @@ MovingCameras calibrateMovingCameras(const Dataset& data, const Settings& given,
                                      const std::vector<ImuStream>& imus, const StreamSettings& stream) {
   requireGoodSettings(data, imus, stream);
   const Apart apart = apartOf(data);
-  const auto [all, accepted] = calibrateEach(apart, given);
+  const std::pair<std::vector<Alone>, Dataset> each = calibrateEach(apart, given);
+  const std::vector<Alone>& all = each.first;
   const Result cameras = joined(all);
-  const DataOnBoard on_board(accepted, cameras.board);
+  const DataOnBoard on_board(each.second, cameras.board);
   const std::vector<RigAtImage>& images = all.front().images;
   const std::int64_t epoch_ns = all.front().epoch_ns;
   const Settings settings = settingsOfStreams(given, cameras);
