@@ -10,7 +10,6 @@
 #include "calibration/fit/lens_constraints.hpp"
 #include "calibration/limits.hpp"
 #include "calibration/streams/mean_bias.hpp"
-#include "calibration/streams/mean_bias.hpp"
 #include "calibration/streams/splines/place_view.hpp"
 
 namespace slom::calibration {
