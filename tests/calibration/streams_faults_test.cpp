@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "calibration/simulated_streams.hpp"
@@ -123,6 +124,31 @@ TEST_F(StreamFaults, AxesOfTheOtherHand) {
       imu, "bad-stream",
       "imu0: the angular velocities fit axes of the other hand: 0.015 rad/s off instead of 0.83; change the "
       "sign of one axis, or exchange two, in angular velocity and force");
+}
+/// If the forces fit as they are, only the angular velocities have the wrong axes.
+TEST_F(StreamFaults, AngularVelocitiesOfTheOtherHand) {
+  ImuStream imu = good();
+  changeAll(imu, [](ImuSample& s) { s.gyro = vec3(-s.gyro); });
+  expectRefused(
+      imu, "bad-stream",
+      "imu0: the angular velocities fit axes of the other hand: 0.015 rad/s off instead of 0.83; give (-x, -y, -z) "
+      "as their axes, and leave the forces as they are");
+  imu = good();
+  changeAll(imu, [](ImuSample& s) { std::swap(s.gyro[0], s.gyro[1]); });
+  expectRefused(
+      imu, "bad-stream",
+      "imu0: the angular velocities fit axes of the other hand: 0.015 rad/s off instead of 0.83; give (y, x, z) as "
+      "their axes, and leave the forces as they are");
+}
+TEST_F(StreamFaults, TimesInAnotherUnitHaveAStrangeRate) {
+  ImuStream imu = good();
+  changeAll(imu, [](ImuSample& s) { s.time *= 1e-3; });
+  expectRefused(
+      imu, "bad-stream",
+      fmt::format(
+          "imu0: the recordings are too short to find the time offset; {} readings come within {:.3g} s, so "
+          "check the unit of their times; give images and readings of the same motion",
+          imu.samples.size(), imu.samples.back().time - imu.samples.front().time));
 }
 TEST_F(StreamFaults, ForcesInOtherAxes) {
   const auto sentence = [](const std::string& axes, const std::string& numbers) {

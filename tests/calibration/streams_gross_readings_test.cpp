@@ -92,6 +92,41 @@ TEST(GrossReadings, AreNamedAndLeftOut) {
   }
 }
 
+/// Sensors that hang for seconds, also on one axis, while a bias jumps besides.
+TEST(GrossReadings, HangingSensorsAreNamed) {
+  const auto seed = unsigned(::testing::UnitTest::GetInstance()->random_seed()) + 1;
+  const Calibrated recording(quickStream(seed, 12));
+  const ImuStream good = recording.stream();
+  const std::size_t from = 700, to = 1100;
+  const auto hung = [&](bool is_one_axis, double jump) {
+    ImuStream imu = good;
+    for (std::size_t i = from; i < to; ++i) {
+      imu.samples[i].gyro[0] = good.samples[from].gyro[0];
+      if (!is_one_axis)
+        imu.samples[i].gyro = good.samples[from].gyro, imu.samples[i].force = good.samples[from].force;
+    }
+    for (std::size_t i = 1700; i < imu.samples.size(); ++i) imu.samples[i].force[1] += jump;
+    return imu;
+  };
+  for (const auto& [is_one_axis, jump] : {std::pair(true, 0.), {false, 0.}, {false, 1.}}) {
+    const std::string what = fmt::format("seed {}, one axis: {}, jump {}", seed, is_one_axis, jump);
+    const StreamResult result = recording.with({hung(is_one_axis, jump)});
+    ASSERT_TRUE(result.success()) << what << ": " << result.message << result.undetermined;
+    const ImuStreamResult& imu = result.imus[0];
+    ASSERT_FALSE(imu.gross.empty()) << what;
+    EXPECT_NEAR(imu.gross[0].from, good.samples[from].time, 0.011) << what;
+    EXPECT_NEAR(imu.gross[0].to, good.samples[to].time, 0.011) << what;
+    EXPECT_TRUE(imu.spikes.empty()) << what;
+    EXPECT_NE(result.notes[0].find("readings stay exactly the same from "), std::string::npos)
+        << result.notes[0];
+    EXPECT_EQ(imu.jumps.size(), jump > 0 ? 1u : 0u) << what;
+    for (int i = 0; i < 3; ++i)
+      EXPECT_LT(std::abs(imu.left2imu.pos[i] - recording.options.cam0_to_imu.pos[i]),
+                5 * std::max(imu.translation_std[i], imu.translation_clustered[i]))
+          << what;
+  }
+}
+
 TEST(GrossReadings, AreLeftOutBeforeSplinesToo) {
   const auto seed = unsigned(::testing::UnitTest::GetInstance()->random_seed()) + 1;
   const Calibrated recording(quickStream(seed, 6));

@@ -56,6 +56,15 @@ void expectSame(const ImuStreamResult& found, const ImuStreamResult& without,
     EXPECT_LT(z(turn[i], found.rotation_std[i], found.rotation_clustered[i]), 3) << i;
     EXPECT_LT(found.translation_std[i], 1.5 * without.translation_std[i]) << i;
   }
+  for (int i = 0; i < 3; ++i) {  // of the time before the jump, in which they walk
+    const double gyro_walk = 1e-4, force_walk = 2e-3;
+    EXPECT_LT(std::abs(found.gyro_bias[i] - truth.gyro_bias[i]),
+              5 * std::max(found.gyro_bias_std[i], found.gyro_bias_clustered[i]) + gyro_walk)
+        << i;
+    EXPECT_LT(std::abs(found.force_bias[i] - truth.force_bias[i]),
+              5 * std::max(found.force_bias_std[i], found.force_bias_clustered[i]) + force_walk)
+        << i;
+  }
   EXPECT_LT(z(found.time_offset - without.time_offset, found.time_offset_std, found.time_offset_clustered),
             3);
 }
