@@ -20,9 +20,6 @@
 namespace slom::calibration {
 namespace {
 
-/// Stated standard deviations of a lag that is no chance. Errors that images share make them too small.
-constexpr double significant_lag = 10;
-
 double usualSpacing(const ImuStream& imu) {
   std::vector<double> spacings;
   for (std::size_t i = 1; i < imu.samples.size(); ++i)
@@ -43,7 +40,7 @@ class LagFits {
  public:
   LagFits(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
           const std::vector<RigAtImage>& images, const mtk::S2<>& up, const std::vector<StartedImu>& imus,
-          double gravity, const Options& options)
+          double gravity, const Options& options, double least_deviations)
       : data_(data),
         corners_(condensed(data, cameras)),
         settings_(settings),
@@ -52,15 +49,16 @@ class LagFits {
         up_(up),
         imus_(imus),
         gravity_(gravity),
-        options_(options) {}
+        options_(options),
+        least_deviations_(least_deviations) {}
 
   /// The RSS of a fit; infinite if there is none. How large residuals are, relative to what the noise predicts, at least 1.
   struct Fit {
     double rss = INFINITY, ratio = 1;
   };
 
-  static bool isSignificant(const StreamNumber& lag, const Fit& fit) {
-    return std::abs(lag.value) >= significant_lag * fit.ratio * lag.std;
+  bool isSignificant(const StreamNumber& lag, const Fit& fit) const {
+    return std::abs(lag.value) >= least_deviations_ * fit.ratio * lag.std;
   }
 
   Fit without(double lag, std::size_t imu) const {
@@ -90,7 +88,7 @@ class LagFits {
       best = without(lag.value, imu);
       if (std::abs(next->value) < step || !isSignificant(lag, best)) break;
     }
-    if (!(best.rss < none) || !isSignificant(lag, best)) return {};
+    if (least_deviations_ > 0 && !(best.rss < none && isSignificant(lag, best))) return {};
     lag.std *= best.ratio;
     return lag;
   }
@@ -105,6 +103,7 @@ class LagFits {
   const std::vector<StartedImu>& imus_;
   double gravity_;
   const Options& options_;
+  double least_deviations_;
 };
 
 /// Returns the clause on a lag.
@@ -120,10 +119,11 @@ std::string clauseOn(const StreamNumber& lag, const std::string& imu) {
 
 ForceLags findForceLags(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
                         const std::vector<RigAtImage>& images, const mtk::S2<>& up,
-                        const std::vector<StartedImu>& imus, double gravity, const Options& options) {
+                        const std::vector<StartedImu>& imus, double gravity, const Options& options,
+                        double least_deviations) {
   ForceLags lags(imus.size());
   if (!reasonToEnd(settings.limits).empty()) return lags;
-  const LagFits fits(data, settings, cameras, images, up, imus, gravity, options);
+  const LagFits fits(data, settings, cameras, images, up, imus, gravity, options, least_deviations);
   for (std::size_t i = 0; i < imus.size(); ++i) {
     try {
       lags[i] = fits.lagOf(i);

@@ -61,6 +61,15 @@ void estimateNoise(const Dataset& data, const std::vector<RigAtImage>& images, c
   }
 }
 
+/// Removes what is left of lags that were found with the noise of a fit with these lags, and adds it to them.
+void addRest(ForceLags rest, ForceLags& lags, UsableStreams& usable) {
+  for (std::size_t i = 0; i < lags.size(); ++i) {
+    if (!lags[i]) rest[i].reset();
+    if (rest[i]) lags[i] = StreamNumber{lags[i]->value + rest[i]->value, rest[i]->std};
+  }
+  usable.remove(rest);
+}
+
 }  // namespace
 
 PreparedStreams prepare(const Dataset& data, const std::vector<RigAtImage>& images, const Options& options,
@@ -78,6 +87,8 @@ PreparedStreams prepare(const Dataset& data, const std::vector<RigAtImage>& imag
   if (usable.remove(prepared.lags)) {
     now = start();
     estimateNoise(data, images, options, gravity, now);
+    addRest(findForceLags(data, now.settings, now.cameras, images, now.up, now.imus, gravity, options, 0),
+            prepared.lags, usable);
   }
   return prepared;
 }
