@@ -14,9 +14,9 @@ using ForceLags = std::vector<std::optional<StreamNumber>>;
 /// Stated standard deviations of a lag that is no chance. Errors that images share make them too small.
 inline constexpr double significant_lag = 10;
 
-/// Finds lags of at least so many standard deviations. Three fits by preintegration, with the forces one reading earlier, as they are, and one reading
-/// later, give the lag and its standard deviation. One more fit without the lag shows how large the residuals then are. A
-/// fit that fails finds no lag. `cameras`, `up` and `imus`: values and noise to begin with.
+/// Finds lags of at least so many standard deviations. Three fits by preintegration, with the forces one reading earlier,
+/// as they are, and one reading later, give the lag and its standard deviation. One more fit without the lag shows how large
+/// the residuals then are. A fit that fails finds no lag. `cameras`, `up` and `imus`: values and noise to begin with.
 ForceLags findForceLags(const Dataset& data, const Settings& settings, const CamerasAt& cameras,
                         const std::vector<RigAtImage>& images, const mtk::S2<>& up,
                         const std::vector<StartedImu>& imus, double gravity, const Options& options,
