@@ -100,7 +100,7 @@ TEST(StreamVerdict, AnAccelerometerThatLagsIsNamedAndItsLagIsRemoved) {
     if (path == StreamPath::splines) imu.noise.reset();
     StreamSettings settings;
     settings.path = path;
-    const std::size_t samples = path == StreamPath::splines ? 1 : 4;
+    const std::size_t samples = path == StreamPath::splines ? 1 : 2;
     const double late = 0.005 * double(samples);  // at 200 Hz
     const StreamResult result = rig.with({withLateForces(imu, samples)}, settings);
     const std::string text = textOf(verdictOf(result, rig.camera));
