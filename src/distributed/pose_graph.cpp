@@ -409,7 +409,7 @@ void gatherG2o(const Processes& processes, const GraphPart<Pose>& part, const Te
   const std::size_t first =
       lines.count() - measurements - vertices - fixed(graph.poses) - fixed(graph.landmarks);
   gatherSensorLines(processes, lines, first, f);
-  // The lines of a list of nodes or measurements, of which only some may have a line or count here.
+  // The lines of a list of nodes or measurements. Only some of the list may have a line here, or count here.
   const auto gather = [&](const auto& items, const auto& has_line, const auto& is_own) {
     std::vector<std::pair<int, std::string_view>> own;
     for (std::size_t i = 0; i < items.size(); ++i) {

@@ -1,4 +1,5 @@
-// What docs/uncertainty.md, docs/intervals.md, docs/shared_errors.md, docs/error_sizes.md and docs/outliers.md show: a small survey, measured by distances.
+// The code of docs/uncertainty.md, docs/intervals.md, docs/shared_errors.md, docs/error_sizes.md and docs/outliers.md: a
+// small survey, measured by distances.
 // Pages show code of this file as it stands.
 // clang-format off
 #include <gtest/gtest.h>

@@ -32,7 +32,7 @@ class Checkpoint {
     std::string bytes_;
   };
 
-  /// What is fitted. Only a checkpoint of the same problem can be read.
+  /// Identifies the problem. A checkpoint of another problem is refused.
   struct Problem {
     std::string text;  ///< the kind and the counts of the whole problem, such as `graph of 2500 poses`
     /// Returns a hash of the measurements of this process (slom/io/data_hash.hpp). Called once, by the first write() or

@@ -54,7 +54,7 @@ class LinearSolver : public JacobianSink {
     analyze(structure);
   }
   /// Adds what other processes have linearised. Called after endLinearization(), in all processes. From then on,
-  /// gradient() and diagonal() are those of the whole problem.
+  /// gradient() and diagonal() cover the whole problem.
   virtual void completeLinearization() {}
   /// Returns the processes that solve together. By default there is only this one.
   virtual const Collective& collective() const { return singleProcess(); }

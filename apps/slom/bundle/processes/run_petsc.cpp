@@ -44,7 +44,7 @@ struct PartFit {
       variables.points.push_back(est.insertRV(scene.points[i], fmt::format("point {}", part.points[i])));
     io::insertObservations(est, scene, variables, options.loss);
   }
-  /// Names the cameras, any of which other processes may have, too.
+  /// Names the cameras: other processes may have the same ones.
   distributed::SharedVariables shared(const ScenePart& part) const {
     distributed::SharedVariables result;
     for (std::size_t i = 0; i < part.cameras.size(); ++i)
