@@ -152,13 +152,8 @@ StreamResult calibrateStreams(const Dataset& data, const Settings& given, const 
   UsableStreams usable(imus, given.robust);
   const Settings settings = settingsOfStreams(given, cameras);
   const Options options = optionsOfStreams(settings);
-  const auto start = [&] {
-    StreamStart start{settings, valuesOf(cameras), startImus(usable.streams(), images, epoch_ns, stream), {}};
-    for (std::size_t i = 0; i < start.imus.size(); ++i) start.imus[i].jumps = usable.jumps()[i];
-    start.up = upByForces(usable.streams().front(), images, start.imus.front().start);
-    return start;
-  };
-  const PreparedStreams prepared = prepare(*on_board, images, options, stream.gravity, start, usable);
+  const PreparedStreams prepared =
+      prepare(*on_board, images, epoch_ns, settings, valuesOf(cameras), stream, usable);
   CamerasAt fitted;
   StreamResult result =
       stream.path == StreamPath::preintegration

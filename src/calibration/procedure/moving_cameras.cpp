@@ -287,15 +287,8 @@ MovingCameras calibrateMovingCameras(const Dataset& data, const Settings& given,
   const Settings settings = settingsOfStreams(given, cameras);
   const Options options = optionsOfStreams(settings);
   UsableStreams usable(imus, given.robust);
-  const auto start = [&] {
-    StreamStart start{
-        settings, valuesOf(all.front().result), startImus(usable.streams(), images, epoch_ns, stream), {}};
-    for (std::size_t i = 0; i < start.imus.size(); ++i) start.imus[i].jumps = usable.jumps()[i];
-    start.up = upByForces(usable.streams().front(), images, start.imus.front().start);
-    return start;
-  };
   const PreparedStreams prepared = prepare(withoutReadout(all.front().data, all.front().result), images,
-                                           options, stream.gravity, start, usable);
+                                           epoch_ns, settings, valuesOf(all.front().result), stream, usable);
   SplineValues values = valuesOf(prepared.start);
   values.cameras = valuesOf(cameras);
   values.cameras.rig.left2camera.clear();

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "calibration/limits.hpp"
+#include "calibration/streams/joint_fit.hpp"
 #include "slom/calibration/error.hpp"
 
 namespace slom::calibration {
@@ -72,8 +73,18 @@ void addRest(ForceLags rest, ForceLags& lags, UsableStreams& usable) {
 
 }  // namespace
 
-PreparedStreams prepare(const Dataset& data, const std::vector<RigAtImage>& images, const Options& options,
-                        double gravity, const std::function<StreamStart()>& start, UsableStreams& usable) {
+PreparedStreams prepare(const Dataset& data, const std::vector<RigAtImage>& images, std::int64_t epoch_ns,
+                        const Settings& settings, const CamerasAt& cameras, const StreamSettings& stream,
+                        UsableStreams& usable) {
+  const Options options = optionsOfStreams(settings);
+  const double gravity = stream.gravity;
+  /// Returns what to begin with, for the streams as they are then.
+  const auto start = [&] {
+    StreamStart begin{settings, cameras, startImus(usable.streams(), images, epoch_ns, stream), {}};
+    for (std::size_t i = 0; i < begin.imus.size(); ++i) begin.imus[i].jumps = usable.jumps()[i];
+    begin.up = upByForces(usable.streams().front(), images, begin.imus.front().start);
+    return begin;
+  };
   PreparedStreams prepared{start(), {}};
   StreamStart& now = prepared.start;
   if (usable.isRobust()) {

@@ -1,7 +1,7 @@
 // What comes before a fit of IMUs in motion: readings without what is wrong, and values and noise to begin with.
 #pragma once
 
-#include <functional>
+#include <cstdint>
 #include <vector>
 
 #include "calibration/streams/force_lag.hpp"
@@ -23,8 +23,9 @@ struct PreparedStreams {
 };
 
 /// Removes jumps of biases, gross readings and lags from the streams, and estimates noise and values by preintegration.
-/// `start` returns what to begin with, for the streams as they are then.
-PreparedStreams prepare(const Dataset& data, const std::vector<RigAtImage>& images, const Options& options,
-                        double gravity, const std::function<StreamStart()>& start, UsableStreams& usable);
+/// `cameras`: values of the cameras' own fit. `epoch_ns`: zero of the times of the images.
+PreparedStreams prepare(const Dataset& data, const std::vector<RigAtImage>& images, std::int64_t epoch_ns,
+                        const Settings& settings, const CamerasAt& cameras, const StreamSettings& stream,
+                        UsableStreams& usable);
 
 }  // namespace slom::calibration
