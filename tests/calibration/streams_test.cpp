@@ -71,7 +71,7 @@ TEST(Streams, ErrorsAreThoseThatAreStated) {
   expectChiSquare(squares.translation, 3 * n, "translation");
   expectChiSquare(squares.rotation, 3 * n, "rotation");
   expectChiSquare(squares.offset, n, "time offset");
-  // gravity_direction_std is the larger of two.
+  // gravity_direction_std is that of the direction in which it is larger.
   EXPECT_GT(squares.gravity, chiSquareCritical(1 - 1e-5, n));
   EXPECT_LT(squares.gravity, chiSquareCritical(1e-5, 2 * n));
   for (int i = 0; i < 7; ++i)

@@ -162,8 +162,10 @@ std::string streamLines(const StreamResult& result, const std::string& reference
   text += fmt::format(
       "\nnoise of a corner in the fit with the IMU: {} px, from the residuals; --sigma-px does not change it\n",
       twoDigits(result.sigma_px));
-  text += fmt::format("\ngravity in the frame of the board: {} m/s^2, direction +- {} deg\n",
-                      numbers(result.gravity), twoDigits(result.gravity_direction_std * degrees));
+  text += fmt::format(
+      "\ngravity in the frame of the board: {} m/s^2, direction +- {} deg stated, {} deg clustered\n",
+      numbers(result.gravity), twoDigits(result.gravity_direction_std * degrees),
+      twoDigits(result.gravity_direction_clustered * degrees));
   if (!result.notes.empty()) text += "\nnotes on the IMU\n";
   for (const std::string& note : result.notes) text += bulleted(note);
   return text;

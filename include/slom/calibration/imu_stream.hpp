@@ -219,6 +219,7 @@ struct StreamResult {
   double sigma_px = 0;                     ///< of a corner, as the cameras' own fit found it [px]
   vec3 gravity{0., 0., 0.};                ///< in the frame of the board, downwards [m/s^2]
   double gravity_direction_std = unknown;  ///< larger of two directions [rad]
+  double gravity_direction_clustered = unknown;
   std::vector<ImuStreamResult> imus;
   std::vector<CameraStreamResult> cameras;  ///< of calibrateMovingCameras(); otherwise empty
   /// Largest change of a camera's parameter or pose from the cameras' own fit, in standard deviations of that fit. A

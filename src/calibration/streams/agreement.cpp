@@ -134,7 +134,8 @@ StreamAgreement agreementOf(const StreamResult& first, const StreamResult& secon
     agreement.imus.push_back(agreementOf(first.imus[i], second.imus[i]));
   const Eigen::Vector3d a = first.gravity, b = second.gravity;
   agreement.gravity_angle = std::atan2(a.cross(b).norm(), a.dot(b));
-  agreement.gravity_std = largestOf({first.gravity_direction_std, second.gravity_direction_std});
+  agreement.gravity_std = largestOf({first.gravity_direction_std, first.gravity_direction_clustered,
+                                     second.gravity_direction_std, second.gravity_direction_clustered});
   for (const StreamResult* fit : {&first, &second}) {
     if (!fit->success() && agreement.contradiction.empty())
       agreement.contradiction =

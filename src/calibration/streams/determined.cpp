@@ -18,7 +18,7 @@ namespace {
 
 /// Removes all standard deviations.
 void forgetDeviations(StreamResult& result) {
-  result.gravity_direction_std = unknown;
+  result.gravity_direction_std = result.gravity_direction_clustered = unknown;
   const vec3 none(unknown, unknown, unknown);
   for (CameraStreamResult& camera : result.cameras) {
     camera.translation_std = camera.translation_clustered = none;

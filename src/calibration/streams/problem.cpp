@@ -357,8 +357,7 @@ Clustered StreamProblem::byBlocks() const {
 
 void StreamProblem::addClustered(StreamResult& result) {
   const Clustered clustered = byBlocks();
-  result.gravity_direction_std =
-      std::fmax(result.gravity_direction_std, clustered.standardDeviation(up_).maxCoeff());
+  result.gravity_direction_clustered = clustered.standardDeviation(up_).maxCoeff();
   for (std::size_t i = 0; i < imus_.size(); ++i) {
     ImuStreamResult& imu = result.imus[i];
     setClusteredDeviations(clustered.covariance(imus_[i].left2imu), imu);

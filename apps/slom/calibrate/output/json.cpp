@@ -406,6 +406,7 @@ void addStreams(const FittedStreams& fitted, const std::string& reference, Json&
   json["imus"] = std::move(imus);
   json["gravity"] = list(streams.gravity);
   json["gravity_direction_std"] = streams.gravity_direction_std;
+  json["gravity_direction_std_clustered"] = streams.gravity_direction_clustered;
   json["streams"] = {{"refused", Json()},
                      {"path", toString(streams.path)},
                      {"converged", streams.converged},

@@ -135,8 +135,7 @@ Clustered SplineProblem::byBlocks() const {
 
 void SplineProblem::addClustered(StreamResult& result) {
   const Clustered clustered = byBlocks();
-  result.gravity_direction_std =
-      std::fmax(result.gravity_direction_std, clustered.standardDeviation(up_).maxCoeff());
+  result.gravity_direction_clustered = clustered.standardDeviation(up_).maxCoeff();
   for (std::size_t c = 1; c < timings_.size(); ++c) {
     const Eigen::VectorXd std = clustered.standardDeviation(left2camera_[c]);
     result.cameras[c].translation_clustered = vec3(std.head<3>());
