@@ -67,11 +67,12 @@ TEST(StreamVerdict, ASmallScaleIsDoubtedBySplinesWithoutNoiseToo) {
   EXPECT_EQ(scaled.level, Verdict::Level::doubtful) << textOf(scaled);
 }
 
-/// Returns the readings of an IMU whose forces are those of `samples` readings before.
+/// Returns the readings of an IMU, from the one numbered `samples` on, whose forces are those of `samples` readings
+/// before.
 ImuStream withLateForces(const ImuStream& imu, std::size_t samples) {
   ImuStream late = imu;
-  for (std::size_t i = 0; i < imu.samples.size(); ++i)
-    late.samples[i].force = imu.samples[i < samples ? 0 : i - samples].force;
+  late.samples.erase(late.samples.begin(), late.samples.begin() + std::ptrdiff_t(samples));
+  for (std::size_t i = 0; i < late.samples.size(); ++i) late.samples[i].force = imu.samples[i].force;
   return late;
 }
 

@@ -74,7 +74,7 @@ TEST(BiasJumps, AreFoundAndNamed) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   const Calibrated rig(quickStream(seed, 12));
   const double middle = (rig.stream().samples.front().time + rig.stream().samples.back().time) / 2 + 0.013;
-  const vec3 none(0., 0., 0.), gyro(0.03, -0.04, 0.), force(0., 0.1, -0.28);
+  const vec3 none(0., 0., 0.), gyro(0.03, -0.04, 0.), force(0., 0.15, -0.42);
   for (const StreamPath path : {StreamPath::preintegration, StreamPath::splines}) {
     const StreamResult without = rig.with({withJump(rig.stream(), middle, none, none)}, by(path));
     for (const auto& [turn, push] : {std::pair(gyro, none),

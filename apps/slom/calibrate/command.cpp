@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -185,11 +186,12 @@ Dataset readInTime(const CommandSettings& settings, ImageNumbers& numbers) {
 
 /// Assesses the result for the verdict, the page and the JSON. If time runs out and the user asked for no page and no
 /// JSON, the report has no verdict.
-void assessResult(const Dataset& data, const CommandSettings& settings, Result& result) {
+std::optional<Quality> assessed(const Dataset& data, const CommandSettings& settings, const Result& result) {
   const bool is_asked_for = !settings.json_file.empty() || !settings.report_file.empty();
-  if (settings.quiet && !is_asked_for) return;
-  result.quality = assess(data, settings, result);
-  if (!is_asked_for && !result.quality->cut_short.empty()) result.quality.reset();
+  if (settings.quiet && !is_asked_for) return {};
+  std::optional<Quality> quality = assess(data, settings, result);
+  if (!is_asked_for && !quality->cut_short.empty()) quality.reset();
+  return quality;
 }
 
 /// Returns what is missing if the run did not do all that it was asked for; empty otherwise.
@@ -282,12 +284,17 @@ void run(const RawOptions& raw) {
       settings, [&] { return calibrateByChoice(data, settings, choicesOf(settings), progressOf(settings)); });
   if (result.comparison) result.comparison = inWordsOfOptions(settings, *result.comparison);
   std::optional<FittedStreams> streams;
-  if (!imus.empty() && result.success())
+  const bool has_streams = !imus.empty() && result.success();
+  // Assessment and IMUs need the cameras' result, but not each other.
+  std::future<std::optional<Quality>> quality =
+      std::async(has_streams ? std::launch::async : std::launch::deferred,
+                 [&] { return assessed(data, settings, result); });
+  if (has_streams)
     streams = fittedOrRefused(settings, [&] {
       return moving ? comparedStreams(std::move(*moving), data, settings, result, imus)
                     : fitStreams(data, settings, result, imus);
     });
-  assessResult(data, settings, result);
+  result.quality = quality.get();
   if (streams && streams->refusal.empty())
     streams->verdict = verdictOf(streams->result, result, streams->agreement);
   if (!settings.quiet) sayResults(result, streams);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <csignal>
 
 #include <CLI/CLI.hpp>
@@ -16,7 +17,9 @@ namespace slom::app {
 
 namespace {
 
-volatile std::sig_atomic_t was_interrupted = 0;
+/// Set by the signal, read by the threads of the run.
+std::atomic<int> was_interrupted = 0;
+static_assert(std::atomic<int>::is_always_lock_free);  // as a signal needs it
 const FitLimits* current = nullptr;
 /// Signals that end a fit. mpirun turns Ctrl-C into SIGTERM and passes on SIGUSR1, so several processes take these, too.
 constexpr std::array<int, 3> ending_signals{SIGINT, SIGTERM, SIGUSR1};

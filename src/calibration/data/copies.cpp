@@ -12,6 +12,7 @@
 #include "calibration/data/point_key.hpp"
 #include "calibration/data/sorted.hpp"
 #include "calibration/data/well_formed.hpp"
+#include "calibration/side_by_side.hpp"
 #include "slom/calibration/dataset.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -191,7 +192,7 @@ void leaveOutCopies(Dataset& caller) {
     for (std::size_t b = a + 1; b < data.cameras.size(); ++b)
       requireDifferent(data.cameras[a], data.cameras[b]);
   }
-  for (CameraData& camera : data.cameras) leaveOutCopies(camera);
+  sideBySide(data.cameras.size(), [&](std::size_t c) { leaveOutCopies(data.cameras[c]); });
   if (data.imu) leaveOutReadings(data);
   for (std::size_t c = 0; c < data.cameras.size(); ++c)
     caller.cameras[c] = std::move(data.cameras[c]);  // at their index

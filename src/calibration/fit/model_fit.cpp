@@ -17,6 +17,7 @@
 #include "calibration/fit/unfitted_views.hpp"
 #include "calibration/initialization/parallel_views.hpp"
 #include "calibration/limits.hpp"
+#include "calibration/side_by_side.hpp"
 #include "slom/calibration/board.hpp"
 #include "slom/calibration/error.hpp"
 
@@ -80,19 +81,21 @@ struct ModelStart {
 using PlanesByCamera = std::vector<std::vector<PlaneView>>;
 
 PlanesByCamera planesOf(const Dataset& data) {
-  PlanesByCamera planes;
-  for (const CameraData& camera : data.cameras) planes.push_back(planeViews(camera));
+  PlanesByCamera planes(data.cameras.size());
+  sideBySide(planes.size(), [&](std::size_t c) { planes[c] = planeViews(data.cameras[c]); });
   return planes;
 }
 
 ModelStart startModel(const Dataset& data, const PlanesByCamera& planes, const Settings& settings,
                       const Progress& progress) {
   requireEnoughMeasurements(data, settings);
+  std::vector<std::optional<FitAlone>> fits(data.cameras.size());
+  sideBySide(fits.size(), [&](std::size_t c) { fits[c] = fitAlone(data.cameras[c], planes[c], settings); });
   ModelStart start;
   std::vector<ViewPoses> world2camera;
   for (std::size_t c = 0; c < data.cameras.size(); ++c) {
     const CameraData& camera = data.cameras[c];
-    const auto fit = fitAlone(camera, planes[c], settings);
+    const FitAlone& fit = *fits[c];
     start.cameras.push_back(fit.camera);
     world2camera.push_back(fit.world2camera);
     start.rms_px_single.push_back(fit.converged ? fit.rms_px : unknown);

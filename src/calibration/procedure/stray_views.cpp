@@ -18,6 +18,7 @@
 #include "calibration/median.hpp"
 #include "calibration/models/definition.hpp"
 #include "calibration/procedure/scaled_views.hpp"
+#include "calibration/side_by_side.hpp"
 #include "slom/calibration/assess.hpp"
 #include "slom/calibration/error.hpp"
 #include "slom/calibration/number_text.hpp"
@@ -82,12 +83,12 @@ std::vector<Stray> viewsThatDisagree(const Dataset& data, const Settings& settin
   constexpr double least_part = 0.005, over_median = 4;
   std::vector<Stray> found;
   for (const CameraData& camera : data.cameras) {
-    std::vector<ViewMisfit> misfits;
+    std::vector<ViewMisfit> misfits(camera.views.size());
+    sideBySide(misfits.size(), [&](std::size_t i) { misfits[i] = misfitOf(camera.views[i]); });
     std::vector<double> parts, distances;
-    for (const View& view : camera.views) {
-      misfits.push_back(misfitOf(view));
-      parts.push_back(misfits.back().part());
-      distances.push_back(misfits.back().px);
+    for (const ViewMisfit& misfit : misfits) {
+      parts.push_back(misfit.part());
+      distances.push_back(misfit.px);
     }
     const double usual = medianOf(parts), usual_px = medianOf(distances);
     for (std::size_t i = 0; i < misfits.size(); ++i) {

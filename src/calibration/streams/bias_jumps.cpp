@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -21,7 +22,10 @@ namespace {
 constexpr double window = 1;                  ///< over which biases are averaged on both sides of a step [s]
 constexpr double stay = 3, least_stay = 1.5;  ///< over which it must last, also near the ends [s]
 constexpr double looser = 1000;               ///< times the usual walk
-/// Least size of a jump, in usual steps. Images that share errors look like steps of the forces in the first place.
+/// Least size of a step that may be a jump, in usual steps. A jump also enlarges the steps beside it.
+constexpr double likely = 5;
+/// Least size of a jump, in usual steps of a fit without it. Images that share errors look like steps of the forces in the
+/// first place.
 constexpr double least_turns = 5, least_pushes = 10;
 constexpr double least_of_walk = 100;  ///< times the step of a walk over the window
 constexpr std::size_t most_jumps = 4;  ///< of one sensor
@@ -92,31 +96,33 @@ bool stays(const BiasSeries& series, const BiasStep& step) {
   return (change - step.change).norm() < most_difference * step.change.norm();
 }
 
-/// Returns the median size of the other steps, whose windows a jump at k does not touch; infinite if there are none.
+/// Returns the median of sizes of steps; infinite if there are none.
+double usualOf(std::vector<double> sizes) { return sizes.empty() ? INFINITY : medianOf(std::move(sizes)); }
+
+/// Returns the usual size of the other steps, whose windows a jump at k does not touch.
 double usualStepBeside(const BiasSeries& series, const std::vector<BiasStep>& steps, std::size_t k) {
   const std::size_t touched = countOf(series, window) + 2 * blurred;
   std::vector<double> sizes;
   for (const BiasStep& step : steps) {
     if (step.k + touched < k || step.k > k + touched) sizes.push_back(step.change.norm());
   }
-  return sizes.empty() ? INFINITY : medianOf(std::move(sizes));
+  return usualOf(std::move(sizes));
 }
 
-/// Returns the largest jump, and subtracts it from the values behind.
+/// Returns the largest step that is likely to be a jump, and subtracts it from the values behind.
 std::optional<BiasJump> takeJump(BiasSeries& series, bool is_gyro, double density) {
   const std::vector<BiasStep> steps = stepsOf(series);
   const auto found =
       std::find_if(steps.begin(), steps.end(), [&](const BiasStep& step) { return stays(series, step); });
   if (found == steps.end()) return {};
   const double usual = usualStepBeside(series, steps, found->k);
-  const double least =
-      std::max((is_gyro ? least_turns : least_pushes) * usual, least_of_walk * density * std::sqrt(window));
+  const double least = std::max(likely * usual, least_of_walk * density * std::sqrt(window));
   if (found->change.norm() < least) return {};
   for (std::size_t i = found->k; i < series.values.size(); ++i) series.values[i] -= found->change;
   return BiasJump{is_gyro, series.times[found->k], vec3(found->change), margin * series.interval};
 }
 
-std::vector<BiasJump> jumpsIn(BiasSeries series, bool is_gyro, double density) {
+std::vector<BiasJump> likelyJumps(BiasSeries series, bool is_gyro, double density) {
   std::vector<BiasJump> jumps;
   while (jumps.size() <= most_jumps) {
     const auto jump = takeJump(series, is_gyro, density);
@@ -124,6 +130,15 @@ std::vector<BiasJump> jumpsIn(BiasSeries series, bool is_gyro, double density) {
     jumps.push_back(*jump);
   }
   return {};  // a bias that changes all the time
+}
+
+/// Removes jumps that are not large compared with the steps of a fit without them.
+void keepLarge(const BiasSeries& series, bool is_gyro, std::vector<BiasJump>& jumps) {
+  std::vector<double> sizes;
+  for (const BiasStep& step : stepsOf(series)) sizes.push_back(step.change.norm());
+  const double least = (is_gyro ? least_turns : least_pushes) * usualOf(std::move(sizes));
+  std::erase_if(
+      jumps, [&](const BiasJump& jump) { return jump.is_gyro == is_gyro && !(jump.change.norm() >= least); });
 }
 
 }  // namespace
@@ -136,30 +151,50 @@ std::vector<std::vector<BiasJump>> findBiasJumps(const Dataset& data, const Sett
   Options options = optionsOfStreams(settings);
   options.deviation_tolerance = 1;
   options.max_iterations = std::min(options.max_iterations, few_iterations);
-  std::vector<StartedImu> loose = imus;
-  for (StartedImu& imu : loose) {
-    imu.noise.gyro_walk *= looser;
-    imu.noise.force_walk *= looser;
-  }
-  std::vector<std::vector<BiasJump>> all(imus.size());
-  try {
-    StreamProblem problem(data, condensed(data, cameras), settings, cameras, images, up, loose, gravity,
-                          Cauchy(gross_scale));
+  std::optional<CondensedCorners> corners;
+  /// Returns the biases over time, of the gyroscope and of the accelerometer of each IMU, if they walk nearly freely.
+  const auto biasesOf = [&](std::vector<StartedImu> loose) {
+    for (StartedImu& imu : loose) {
+      imu.noise.gyro_walk *= looser;
+      imu.noise.force_walk *= looser;
+    }
+    StreamProblem problem(data, *corners, settings, cameras, images, up, loose, gravity, Cauchy(gross_scale));
     problem.optimize(options);
-    loose = problem.started();
-  } catch (const slom::Error&) {  // which the fit itself says
+    std::vector<std::pair<BiasSeries, BiasSeries>> all;
+    for (const StartedImu& imu : problem.started())
+      all.emplace_back(seriesOf(imu.gyro_biases, images, imu.start.offset),
+                       seriesOf(imu.force_biases, images, imu.start.offset));
     return all;
+  };
+
+  std::vector<std::vector<BiasJump>> jumps(imus.size());
+  std::vector<StartedImu> without = imus;
+  std::vector<ImuStream> streams;
+  for (const StartedImu& imu : imus) streams.push_back(*imu.stream);
+  try {
+    corners = condensed(data, cameras);
+    const auto with_jumps = biasesOf(imus);
+    for (std::size_t i = 0; i < imus.size(); ++i) {
+      const auto& [gyro, force] = with_jumps[i];
+      jumps[i] = likelyJumps(gyro, true, imus[i].noise.gyro_walk);
+      const auto of_force = likelyJumps(force, false, imus[i].noise.force_walk);
+      jumps[i].insert(jumps[i].end(), of_force.begin(), of_force.end());
+      removeJumps(jumps[i], streams[i]);
+      without[i].stream = &streams[i];
+    }
+    const auto is_empty = [](const std::vector<BiasJump>& one) { return one.empty(); };
+    if (std::all_of(jumps.begin(), jumps.end(), is_empty)) return jumps;
+    const auto without_jumps = biasesOf(without);
+    for (std::size_t i = 0; i < imus.size(); ++i) {
+      keepLarge(without_jumps[i].first, true, jumps[i]);
+      keepLarge(without_jumps[i].second, false, jumps[i]);
+      std::sort(jumps[i].begin(), jumps[i].end(),
+                [](const BiasJump& a, const BiasJump& b) { return a.time < b.time; });
+    }
+  } catch (const slom::Error&) {  // which the fit itself says
+    return std::vector<std::vector<BiasJump>>(imus.size());
   }
-  for (std::size_t i = 0; i < imus.size(); ++i) {
-    const double offset = loose[i].start.offset;
-    all[i] = jumpsIn(seriesOf(loose[i].gyro_biases, images, offset), true, imus[i].noise.gyro_walk);
-    const auto force =
-        jumpsIn(seriesOf(loose[i].force_biases, images, offset), false, imus[i].noise.force_walk);
-    all[i].insert(all[i].end(), force.begin(), force.end());
-    std::sort(all[i].begin(), all[i].end(),
-              [](const BiasJump& a, const BiasJump& b) { return a.time < b.time; });
-  }
-  return all;
+  return jumps;
 }
 
 void removeJumps(const std::vector<BiasJump>& jumps, ImuStream& imu) {
