@@ -236,6 +236,10 @@ TEST_F(ImuStreamCommand, OptionsThatDoNotFit) {
     more.insert(more.end(), stream.begin(), stream.end());
     expectRefused(more, sentence);
   };
+  refuses(
+      {"--imu-reads", "gravity"},
+      "--imu-reads gravity: the option is for --imu; drop it, and if the accelerometer of an --imu-stream reports "
+      "gravity itself at rest, change the sign of its three columns");
   refuses({"--imu-motion", "spline"},
           "--imu-motion spline: unknown motion; give preintegration, splines or both");
   refuses({"--knot-spacing", "0.02"},

@@ -345,7 +345,12 @@ bool parseImuReads(const std::string& text, const CommandSettings& settings) {
   if (text != "gravity" && text != "reaction")
     throw UserError(fmt::format("--imu-reads {}: unknown reading at rest; give gravity or reaction", text));
   if (settings.imu_file.empty())
-    throw UserError(fmt::format("--imu-reads {}: there is no IMU; add --imu FILE or drop this option", text));
+    throw UserError(fmt::format(
+        "--imu-reads {}: {}", text,
+        settings.imu_streams.empty()
+            ? "there is no IMU; add --imu FILE or drop this option"
+            : "the option is for --imu; drop it, and if the accelerometer of an --imu-stream reports gravity itself at "
+              "rest, change the sign of its three columns"));
   return text == "gravity";
 }
 

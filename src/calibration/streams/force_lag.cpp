@@ -153,7 +153,8 @@ void reportLags(const ForceLags& lags, StreamResult& result) {
     addDoubt(
         clauseOn(*lags[i], result.imus[i].name),
         "the fit reads the forces at the times of the angular velocities, so the time offset is the gyroscope's. For "
-        "other programs, shift the columns of one sensor in time. Filters may delay them by different times.",
+        "other programs, shift the columns of one sensor in time. A cause is a filter that delays one sensor more than the "
+        "other.",
         result);
   }
 }
