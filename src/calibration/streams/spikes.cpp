@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -97,26 +99,55 @@ std::size_t countReadings(const std::vector<ImuSpike>& spikes) {
   return count;
 }
 
-/// Adds the times in which the values of an axis hang, from the second equal value on.
-void addStuck(const std::vector<double>& values, const ImuStream& imu, std::vector<GrossReadings>& stuck) {
-  constexpr std::size_t least_readings = 20;
-  constexpr double least_time = 0.2;  // s
-  constexpr double far_away = 5;      // times the usual difference of successive readings
-  std::vector<double> differences;
-  double largest = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    largest = std::max(largest, std::abs(values[i]));
-    if (i > 0 && values[i] != values[i - 1]) differences.push_back(std::abs(values[i] - values[i - 1]));
+/// The readings of an axis, and their usual difference from the reading before.
+struct AxisReadings {
+  std::vector<double> values;
+  double usual = 0;
+  bool repeats = false;  ///< often, as values of a coarse sensor at rest do
+
+  explicit AxisReadings(std::vector<double> readings) : values(std::move(readings)) {
+    constexpr double often = 0.02;
+    std::vector<double> differences;
+    std::size_t equal = 0, in_a_row = 0;
+    for (std::size_t i = 1; i < values.size(); ++i) {
+      in_a_row = values[i] == values[i - 1] ? in_a_row + 1 : 0;
+      if (in_a_row == 0) differences.push_back(std::abs(values[i] - values[i - 1]));
+      if (in_a_row == 1) ++equal;
+    }
+    repeats = double(equal) > often * double(differences.size());
+    usual = medianOf(std::move(differences));
   }
-  const double usual = medianOf(std::move(differences));
+
+  /// Returns whether these readings change as in motion.
+  bool moveBetween(std::size_t first, std::size_t end) const {
+    constexpr double far_apart = 10;  // times the usual difference
+    const auto [least, most] =
+        std::minmax_element(values.begin() + std::ptrdiff_t(first), values.begin() + std::ptrdiff_t(end));
+    return *most - *least > far_apart * usual;
+  }
+};
+
+/// Adds the times in which an axis hangs, from the second equal value on. If the sensor moves meanwhile, the axis goes on
+/// from anywhere; otherwise only a step tells a hanging sensor from a coarse one at rest.
+void addStuck(const std::vector<AxisReadings>& axes, const AxisReadings& axis, const ImuStream& imu,
+              std::vector<GrossReadings>& stuck) {
+  constexpr std::size_t least_readings = 20;
+  constexpr double least_time = 0.2;              // s
+  constexpr double far_away = 5, anywhere = 0.5;  // times the usual difference of successive readings
+  const std::vector<double>& values = axis.values;
+  double largest = 0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
   for (std::size_t i = 0, end = 0; i < values.size(); i = end) {
     for (end = i + 1; end < values.size() && values[end] == values[i];) ++end;
     const double from = imu.samples[i].time, to = imu.samples[end - 1].time;
     if (end - i < least_readings || to - from < least_time || std::abs(values[i]) == largest) continue;
-    const bool comes_from_afar = i > 0 && std::abs(values[i] - values[i - 1]) > far_away * usual,
-               goes_afar = end < values.size() && std::abs(values[end] - values[i]) > far_away * usual;
-    if (comes_from_afar || goes_afar)
-      stuck.push_back({imu.samples[comes_from_afar ? i : i + 1].time, to, unknown});
+    const double before = i > 0 ? std::abs(values[i] - values[i - 1]) : 0,
+                 behind = end < values.size() ? std::abs(values[end] - values[i]) : 0;
+    const bool moves = !axis.repeats && std::any_of(axes.begin(), axes.end(), [&](const AxisReadings& one) {
+      return one.moveBetween(i, end);
+    });
+    if (std::max(before, behind) > (moves ? anywhere : far_away) * axis.usual)
+      stuck.push_back({imu.samples[before > far_away * axis.usual ? i : i + 1].time, to, unknown});
   }
 }
 
@@ -124,7 +155,9 @@ void addStuck(const std::vector<double>& values, const ImuStream& imu, std::vect
 
 std::vector<GrossReadings> stuckReadings(const ImuStream& imu) {
   std::vector<GrossReadings> all, joined;
-  for (int axis = 0; axis < 6; ++axis) addStuck(axisOf(imu, axis), imu, all);
+  std::vector<AxisReadings> axes;
+  for (int axis = 0; axis < 6; ++axis) axes.emplace_back(axisOf(imu, axis));
+  for (const AxisReadings& axis : axes) addStuck(axes, axis, imu, all);
   std::sort(all.begin(), all.end(),
             [](const GrossReadings& a, const GrossReadings& b) { return a.from < b.from; });
   for (const GrossReadings& one : all) {
