@@ -149,8 +149,8 @@ void addMoreOptions(CLI::App& command, RawOptions& raw) {
       ->type_name("opencv|ros|kalibr|openvins|basalt");
   command
       .add_option("--imu-reads", raw.imu_reads,
-                  "what the accelerometer reports at rest: the reaction to gravity, which\n"
-                  "points up, or gravity")
+                  "what the accelerometer of --imu reports at rest: the reaction to\n"
+                  "gravity, which points up, or gravity")
       ->type_name("reaction|gravity")
       ->default_str("reaction");
   command

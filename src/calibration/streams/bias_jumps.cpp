@@ -236,7 +236,7 @@ std::string noteOn(const std::vector<BiasJump>& jumps, const ImuStream& imu) {
                                 jump.time - imu.samples.front().time));
   return fmt::format(
       "{}: biases jump and stay, {} after the first reading. The fit subtracts this from later readings, so biases "
-      "are those before; --robust none keeps the readings.",
+      "are those before the first; --robust none keeps the readings.",
       nameOf(imu), fmt::join(named, ", "));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "calibration/nearest_rotation.hpp"
+#include "calibration/streams/check.hpp"
 
 namespace slom::calibration {
 
@@ -19,12 +20,19 @@ std::vector<CameraRate> cameraRates(const std::vector<RigAtImage>& images) {
   return rates;
 }
 
-GyroIntegral::GyroIntegral(const std::vector<ImuSample>& samples) : samples_(samples) {
+GyroIntegral::GyroIntegral(const ImuStream& imu) : samples_(imu.samples), gaps_(gapsOf(imu)) {
   sums_.emplace_back(0., 0., 0.);
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    const double h = samples[i].time - samples[i - 1].time;
-    sums_.push_back(vec3(sums_.back() + (samples[i].gyro + samples[i - 1].gyro) * (h / 2)));
+  for (std::size_t i = 1; i < samples_.size(); ++i) {
+    const double h = samples_[i].time - samples_[i - 1].time;
+    sums_.push_back(vec3(sums_.back() + (samples_[i].gyro + samples_[i - 1].gyro) * (h / 2)));
   }
+}
+
+bool GyroIntegral::covers(double from, double to) const {
+  if (from < samples_.front().time || to > samples_.back().time) return false;
+  const auto gap = std::upper_bound(gaps_.begin(), gaps_.end(), from,
+                                    [](double t, const auto& one) { return t < one.second; });
+  return gap == gaps_.end() || gap->first >= to;
 }
 
 vec3 GyroIntegral::at(double time) const {

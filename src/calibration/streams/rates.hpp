@@ -1,6 +1,7 @@
 // Angular velocities of cameras and gyroscope over the same intervals.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "calibration/streams/start.hpp"
@@ -20,11 +21,10 @@ std::vector<CameraRate> cameraRates(const std::vector<RigAtImage>& images);
 /// The integral of the angular velocity, for means over intervals.
 class GyroIntegral {
  public:
-  /// The samples must outlive this object.
-  explicit GyroIntegral(const std::vector<ImuSample>& samples);
-  bool covers(double from, double to) const {
-    return from >= samples_.front().time && to <= samples_.back().time;
-  }
+  /// The stream must outlive this object.
+  explicit GyroIntegral(const ImuStream& imu);
+  /// Returns whether there are readings from one time to the other, without a gap.
+  bool covers(double from, double to) const;
   vec3 mean(double from, double to) const { return vec3((at(to) - at(from)) / (to - from)); }
 
  private:
@@ -32,6 +32,7 @@ class GyroIntegral {
 
   const std::vector<ImuSample>& samples_;
   std::vector<vec3> sums_;
+  std::vector<std::pair<double, double>> gaps_;
 };
 
 /// Rates of both sensors in the same intervals.

@@ -179,7 +179,7 @@ RatesStart startByRates(const ImuStream& imu, const std::vector<RigAtImage>& ima
                      .fault = fmt::format("only {} pairs of images follow each other within {} s",
                                           rates.size(), longest_pair),
                      .remedy = "record images at 4 Hz or more"});
-  const GyroIntegral gyro(imu.samples);
+  const GyroIntegral gyro(imu);
   std::vector<double> spacings;
   for (const CameraRate& rate : rates) spacings.push_back(rate.to - rate.from);
   const double spacing = medianOf(spacings), step = spacing / 2;
