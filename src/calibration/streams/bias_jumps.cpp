@@ -132,13 +132,32 @@ std::vector<BiasJump> likelyJumps(BiasSeries series, bool is_gyro, double densit
   return {};  // a bias that changes all the time
 }
 
-/// Removes jumps that are not large compared with the steps of a fit without them.
-void keepLarge(const BiasSeries& series, bool is_gyro, std::vector<BiasJump>& jumps) {
+/// The biases of an IMU.
+struct Biases {
+  BiasSeries gyro, force;
+};
+
+/// Returns the least size of a jump, from biases of a fit without it.
+double leastJump(const BiasSeries& series, bool is_gyro) {
   std::vector<double> sizes;
   for (const BiasStep& step : stepsOf(series)) sizes.push_back(step.change.norm());
-  const double least = (is_gyro ? least_turns : least_pushes) * usualOf(std::move(sizes));
-  std::erase_if(
-      jumps, [&](const BiasJump& jump) { return jump.is_gyro == is_gyro && !(jump.change.norm() >= least); });
+  return (is_gyro ? least_turns : least_pushes) * usualOf(std::move(sizes));
+}
+
+/// Removes the jump that falls short most of its least size in a fit without the jumps. Returns whether there is one.
+bool removeSmallest(const std::vector<Biases>& without, std::vector<std::vector<BiasJump>>& jumps) {
+  double smallest = 1;
+  std::optional<std::pair<std::size_t, std::size_t>> found;
+  for (std::size_t i = 0; i < jumps.size(); ++i) {
+    const double least_turn = leastJump(without[i].gyro, true),
+                 least_push = leastJump(without[i].force, false);
+    for (std::size_t k = 0; k < jumps[i].size(); ++k) {
+      const double ratio = jumps[i][k].change.norm() / (jumps[i][k].is_gyro ? least_turn : least_push);
+      if (ratio < smallest) smallest = ratio, found = {i, k};
+    }
+  }
+  if (found) jumps[found->first].erase(jumps[found->first].begin() + std::ptrdiff_t(found->second));
+  return found.has_value();
 }
 
 }  // namespace
@@ -152,7 +171,7 @@ std::vector<std::vector<BiasJump>> findBiasJumps(const Dataset& data, const Sett
   options.deviation_tolerance = 1;
   options.max_iterations = std::min(options.max_iterations, few_iterations);
   std::optional<CondensedCorners> corners;
-  /// Returns the biases over time, of the gyroscope and of the accelerometer of each IMU, if they walk nearly freely.
+  /// Returns the biases over time, if they walk nearly freely.
   const auto biasesOf = [&](std::vector<StartedImu> loose) {
     for (StartedImu& imu : loose) {
       imu.noise.gyro_walk *= looser;
@@ -160,36 +179,38 @@ std::vector<std::vector<BiasJump>> findBiasJumps(const Dataset& data, const Sett
     }
     StreamProblem problem(data, *corners, settings, cameras, images, up, loose, gravity, Cauchy(gross_scale));
     problem.optimize(options);
-    std::vector<std::pair<BiasSeries, BiasSeries>> all;
+    std::vector<Biases> all;
     for (const StartedImu& imu : problem.started())
-      all.emplace_back(seriesOf(imu.gyro_biases, images, imu.start.offset),
-                       seriesOf(imu.force_biases, images, imu.start.offset));
+      all.push_back({seriesOf(imu.gyro_biases, images, imu.start.offset),
+                     seriesOf(imu.force_biases, images, imu.start.offset)});
     return all;
   };
 
   std::vector<std::vector<BiasJump>> jumps(imus.size());
   std::vector<StartedImu> without = imus;
-  std::vector<ImuStream> streams;
-  for (const StartedImu& imu : imus) streams.push_back(*imu.stream);
-  try {
-    corners = condensed(data, cameras);
-    const auto with_jumps = biasesOf(imus);
+  std::vector<ImuStream> streams(imus.size());
+  /// Returns whether there are jumps; `without` then has the readings without them.
+  const auto areWithoutJumps = [&] {
+    bool has_jumps = false;
     for (std::size_t i = 0; i < imus.size(); ++i) {
-      const auto& [gyro, force] = with_jumps[i];
-      jumps[i] = likelyJumps(gyro, true, imus[i].noise.gyro_walk);
-      const auto of_force = likelyJumps(force, false, imus[i].noise.force_walk);
-      jumps[i].insert(jumps[i].end(), of_force.begin(), of_force.end());
+      streams[i] = *imus[i].stream;
       removeJumps(jumps[i], streams[i]);
       without[i].stream = &streams[i];
+      has_jumps = has_jumps || !jumps[i].empty();
     }
-    const auto is_empty = [](const std::vector<BiasJump>& one) { return one.empty(); };
-    if (std::all_of(jumps.begin(), jumps.end(), is_empty)) return jumps;
-    const auto without_jumps = biasesOf(without);
+    return has_jumps;
+  };
+  try {
+    corners = condensed(data, cameras);
+    const std::vector<Biases> with = biasesOf(imus);
     for (std::size_t i = 0; i < imus.size(); ++i) {
-      keepLarge(without_jumps[i].first, true, jumps[i]);
-      keepLarge(without_jumps[i].second, false, jumps[i]);
+      jumps[i] = likelyJumps(with[i].gyro, true, imus[i].noise.gyro_walk);
+      const auto of_force = likelyJumps(with[i].force, false, imus[i].noise.force_walk);
+      jumps[i].insert(jumps[i].end(), of_force.begin(), of_force.end());
       std::sort(jumps[i].begin(), jumps[i].end(),
                 [](const BiasJump& a, const BiasJump& b) { return a.time < b.time; });
+    }
+    while (areWithoutJumps() && removeSmallest(biasesOf(without), jumps)) {
     }
   } catch (const slom::Error&) {  // which the fit itself says
     return std::vector<std::vector<BiasJump>>(imus.size());
