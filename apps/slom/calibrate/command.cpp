@@ -242,8 +242,7 @@ void sayResults(const Result& result, const std::optional<FittedStreams>& stream
   if (!streams) return;
   if (streams->refusal.empty()) say(streamLines(streams->result, result.cameras.front().name));
   if (streams->agreement) say(agreementLines(*streams->agreement));
-  if (streams->success() || !streams->refusal.empty())
-    say(verdictText("verdict on the IMU", streams->verdict));
+  say(verdictText("verdict on the IMU", streams->verdict));
 }
 
 /// Refuses words that belong to no option. If one of them is a file, it most often belongs to a camera.

@@ -162,10 +162,13 @@ std::string streamLines(const StreamResult& result, const std::string& reference
   text += fmt::format(
       "\nnoise of a corner in the fit with the IMU: {} px, from the residuals; --sigma-px does not change it\n",
       twoDigits(result.sigma_px));
-  text += fmt::format(
-      "\ngravity in the frame of the board: {} m/s^2, direction +- {} deg stated, {} deg clustered\n",
-      numbers(result.gravity), twoDigits(result.gravity_direction_std * degrees),
-      twoDigits(result.gravity_direction_clustered * degrees));
+  text +=
+      fmt::format("\ngravity in the frame of the board: {} m/s^2, direction {}\n", numbers(result.gravity),
+                  std::isfinite(result.gravity_direction_std)
+                      ? fmt::format("+- {} deg stated, {} deg clustered",
+                                    twoDigits(result.gravity_direction_std * degrees),
+                                    twoDigits(result.gravity_direction_clustered * degrees))
+                      : "not determined");
   if (!result.notes.empty()) text += "\nnotes on the IMU\n";
   for (const std::string& note : result.notes) text += bulleted(note);
   return text;
