@@ -12,7 +12,7 @@ int processNumber();
 /// Returns how many of them are on this machine.
 int processCountOfMachine();
 
-/// Whether this program is slom-mpi. Only slom-mpi can run as several processes.
+/// True in slom-mpi, which can run as several processes; false in slom, which runs as one.
 inline bool can_use_processes = false;
 
 /// Prepares for the processes. In slom, lets slom-mpi, if it is in the same folder, take the place of this program if

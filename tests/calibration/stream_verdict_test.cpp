@@ -67,8 +67,7 @@ TEST(StreamVerdict, ASmallScaleIsDoubtedBySplinesWithoutNoiseToo) {
   EXPECT_EQ(scaled.level, Verdict::Level::doubtful) << textOf(scaled);
 }
 
-/// Returns the readings of an IMU, from the one numbered `samples` on, whose forces are those of `samples` readings
-/// before.
+/// Delays the forces by `samples` readings. Leaves out the first readings, which then have no force.
 ImuStream withLateForces(const ImuStream& imu, std::size_t samples) {
   ImuStream late = imu;
   late.samples.erase(late.samples.begin(), late.samples.begin() + std::ptrdiff_t(samples));

@@ -71,7 +71,7 @@ TEST(Streams, ErrorsAreThoseThatAreStated) {
   expectChiSquare(squares.translation, 3 * n, "translation");
   expectChiSquare(squares.rotation, 3 * n, "rotation");
   expectChiSquare(squares.offset, n, "time offset");
-  // gravity_direction_std is that of the direction in which it is larger.
+  // gravity_direction_std covers the less certain of two directions: the squares have a mean of 1 to 2.
   EXPECT_GT(squares.gravity, chiSquareCritical(1 - 1e-5, n));
   EXPECT_LT(squares.gravity, chiSquareCritical(1e-5, 2 * n));
   for (int i = 0; i < 7; ++i)

@@ -184,8 +184,8 @@ Dataset readInTime(const CommandSettings& settings, ImageNumbers& numbers) {
   }
 }
 
-/// Assesses the result for the verdict, the page and the JSON. If time runs out and the user asked for no page and no
-/// JSON, the report has no verdict.
+/// Returns the assessment for the verdict, the page and the JSON. If time runs out and the user asked for no page and no
+/// JSON, there is none, and the report has no verdict.
 std::optional<Quality> assessed(const Dataset& data, const CommandSettings& settings, const Result& result) {
   const bool is_asked_for = !settings.json_file.empty() || !settings.report_file.empty();
   if (settings.quiet && !is_asked_for) return {};

@@ -171,11 +171,16 @@ std::vector<std::vector<BiasJump>> findBiasJumps(const Dataset& data, const Sett
   options.deviation_tolerance = 1;
   options.max_iterations = std::min(options.max_iterations, few_iterations);
   std::optional<CondensedCorners> corners;
-  /// Returns the biases over time, if they walk nearly freely.
-  const auto biasesOf = [&](std::vector<StartedImu> loose) {
-    for (StartedImu& imu : loose) {
-      imu.noise.gyro_walk *= looser;
-      imu.noise.force_walk *= looser;
+  /// Returns the biases over time, if they walk nearly freely, of readings without these jumps.
+  const auto biasesWithout = [&](const std::vector<std::vector<BiasJump>>& removed) {
+    std::vector<StartedImu> loose = imus;
+    std::vector<ImuStream> streams(imus.size());
+    for (std::size_t i = 0; i < imus.size(); ++i) {
+      streams[i] = *imus[i].stream;
+      removeJumps(removed[i], streams[i]);
+      loose[i].stream = &streams[i];
+      loose[i].noise.gyro_walk *= looser;
+      loose[i].noise.force_walk *= looser;
     }
     StreamProblem problem(data, *corners, settings, cameras, images, up, loose, gravity, Cauchy(gross_scale));
     problem.optimize(options);
@@ -187,22 +192,12 @@ std::vector<std::vector<BiasJump>> findBiasJumps(const Dataset& data, const Sett
   };
 
   std::vector<std::vector<BiasJump>> jumps(imus.size());
-  std::vector<StartedImu> without = imus;
-  std::vector<ImuStream> streams(imus.size());
-  /// Returns whether there are jumps; `without` then has the readings without them.
-  const auto areWithoutJumps = [&] {
-    bool has_jumps = false;
-    for (std::size_t i = 0; i < imus.size(); ++i) {
-      streams[i] = *imus[i].stream;
-      removeJumps(jumps[i], streams[i]);
-      without[i].stream = &streams[i];
-      has_jumps = has_jumps || !jumps[i].empty();
-    }
-    return has_jumps;
+  const auto is_any_left = [&] {
+    return std::any_of(jumps.begin(), jumps.end(), [](const auto& one) { return !one.empty(); });
   };
   try {
     corners = condensed(data, cameras);
-    const std::vector<Biases> with = biasesOf(imus);
+    const std::vector<Biases> with = biasesWithout(jumps);
     for (std::size_t i = 0; i < imus.size(); ++i) {
       jumps[i] = likelyJumps(with[i].gyro, true, imus[i].noise.gyro_walk);
       const auto of_force = likelyJumps(with[i].force, false, imus[i].noise.force_walk);
@@ -210,7 +205,7 @@ std::vector<std::vector<BiasJump>> findBiasJumps(const Dataset& data, const Sett
       std::sort(jumps[i].begin(), jumps[i].end(),
                 [](const BiasJump& a, const BiasJump& b) { return a.time < b.time; });
     }
-    while (areWithoutJumps() && removeSmallest(biasesOf(without), jumps)) {
+    while (is_any_left() && removeSmallest(biasesWithout(jumps), jumps)) {
     }
   } catch (const slom::Error&) {  // which the fit itself says
     return std::vector<std::vector<BiasJump>>(imus.size());

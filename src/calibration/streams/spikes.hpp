@@ -20,9 +20,9 @@ Spikes spikesOf(const ImuStream& imu);
 /// Returns the stream without these readings.
 ImuStream withoutSpikes(ImuStream imu, const std::vector<ImuSpike>& spikes);
 
-/// Returns the times between which axes read exactly the same, and go on from elsewhere, as of a sensor that hangs: 20
-/// readings or more, over 0.2 s or more, in the order of time. The largest readings of an axis do not count: a saturated
-/// sensor stays there.
+/// Returns the times between which axes read exactly the same, as of a sensor that hangs, in the order of time: 20 readings
+/// or more, over 0.2 s or more, while another axis moves or with a step at an end. The largest readings of an axis do
+/// not count: a saturated sensor stays there.
 std::vector<GrossReadings> stuckReadings(const ImuStream& imu);
 
 /// Returns the sentence for the report on these readings. Empty if there are none.
